@@ -393,14 +393,14 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: b
     logical :: yes
-    integer :: c, i, leader
+    integer :: c, leader
     yes = .false.
     leader = merge(scene%bodies(b)%leader, b, scene%bodies(b)%leader > 0)
     do c = 1, size(scene%contacts)
       associate (named => scene%contacts(c)%body)
-        yes = yes .or. any(named == b) .or. any(named == leader)
+        yes = yes .or. any(named == b) .or. any(named == leader) .or. all(named == 0)
         if (yes .or. all(named > 0)) cycle
-        yes = .not. any([(scene%bodies(max(1, named(i)))%rigid .and. named(i) > 0, i=1, 2)])
+        yes = .not. scene%bodies(maxval(named))%rigid  ! which touches all others, but no rigid one
       end associate
     end do
   end function is_touched

@@ -46,8 +46,8 @@ contains
     call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
                       'the space they fill, for explosives, and for gases that walls enclose '// &
                       '(sgmp; musl, usavg); auto: kept where something burns beside other '// &
-                      'matter, where gas is in another gas (not on a line), and where nothing '// &
-                      'but gas moves in a box of walls', &
+                      'matter, where gas is in another gas (not on a line) or only rigid '// &
+                      'bodies are beside it, and where nothing but gas moves in a box of walls', &
                       choices='auto plain kept', default='auto', &
                       source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &

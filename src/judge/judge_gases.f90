@@ -10,8 +10,8 @@
 !! Gas between plates that fly at each other is pressed into few cells, and what it passes on of
 !! their velocities is up to 13 % off where these are fewer than four (class Stack).
 module sgmp_judge_gases
-  use sgmp_constitutive, only: law_gaseous, law_is_spherical, material_explosive, &
-                               material_fluid
+  use sgmp_constitutive, only: law_gaseous, law_is_spherical, law_liquid, &
+                               material_explosive
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
@@ -37,14 +37,8 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     real(dp) :: cells, lost, weight
-    logical :: ball
     integer :: b
-    if (model%mesh%ndim == 1) return
-    ball = scene%axisymmetric .or. model%mesh%ndim == 3
-    weight = 0.0_dp
-    if (ball .and. any(is_liquid(model)) .and. &
-        any(model%bodies%rigid .or. .not. law_is_spherical(model%bodies%law))) weight = wet_weight
-    if (any(is_gas(model))) weight = merge(ball_weight, tube_weight, ball)
+    weight = charge_weight(scene, model)
     if (.not. weight > 0.0_dp) return
     do b = 1, size(scene%bodies)
       if (.not. is_round_charge(scene, model, b)) cycle
@@ -60,6 +54,26 @@ contains
       return
     end do
   end subroutine judge_charges
+
+  !> Error of what a round charge does to what it hits, times the cells of its radius, by what is
+  !! around it; 0: none is known.
+  pure function charge_weight(scene, model) result(weight)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: weight
+    logical :: ball
+    weight = 0.0_dp
+    if (model%mesh%ndim == 1) return
+    ball = scene%axisymmetric .or. model%mesh%ndim == 3
+    associate (bodies => model%bodies)
+      if (any(is_gas(model))) then
+        weight = merge(ball_weight, tube_weight, ball)
+      else if (ball .and. any(law_liquid(bodies%law) .and. .not. bodies%rigid) .and. &
+               any(bodies%rigid .or. .not. law_is_spherical(bodies%law))) then
+        weight = wet_weight
+      end if
+    end associate
+  end function charge_weight
 
   !> Gas that solids have pressed into few cells, where nothing burns.
   subroutine judge_cushions(opinion, scene, model, compression)
@@ -91,14 +105,6 @@ contains
     yes = law_gaseous(model%bodies%law) .and. model%bodies%law%kind /= material_explosive .and. &
           .not. model%bodies%rigid
   end function is_gas
-
-  !> Which bodies are liquid.
-  pure function is_liquid(model) result(yes)
-    type(model_t), intent(in) :: model
-    logical :: yes(size(model%bodies))
-    yes = model%bodies%law%kind == material_fluid .and. .not. law_gaseous(model%bodies%law) .and. &
-          .not. model%bodies%rigid
-  end function is_liquid
 
   !> Whether a body burns and is none of blocks.
   pure logical function is_round_charge(scene, model, b) result(yes)

@@ -8,7 +8,7 @@
 module sgmp_judge_spall
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: law_is_spherical
-  use sgmp_failure, only: failure_none
+  use sgmp_failure, only: failure_by_strain, failure_none
   use sgmp_judge_collisions, only: speed_at_start
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
@@ -56,11 +56,12 @@ contains
     end do
   end subroutine judge_spall
 
-  !> Whether a body is a solid that fails by a tension.
+  !> Whether a body is a solid that fails by a tension and by no strain, of which others judge.
   pure logical function may_spall(body) result(yes)
     type(body_t), intent(in) :: body
     yes = .not. body%rigid .and. .not. law_is_spherical(body%law)
-    if (yes) yes = body%law%failure%tension < failure_none .and. body%law%slots%damage > 0
+    if (yes) yes = body%law%failure%tension < failure_none .and. body%law%slots%damage > 0 .and. &
+                   .not. (body%law%jc%failure .or. failure_by_strain(body%law%failure))
   end function may_spall
 
   !> Particles of a body on this rank that have failed.

@@ -7,7 +7,7 @@
 !! make it larger.
 module sgmp_judge_waves
   use sgmp_columns, only: node_inverse_mass, node_velocity
-  use sgmp_constitutive, only: law_gaseous, material_fluid
+  use sgmp_constitutive, only: law_liquid
   use sgmp_field, only: field_base, field_t
   use sgmp_kernels, only: method_bspline, method_sgmp
   use sgmp_kinds, only: dp, i8
@@ -38,13 +38,12 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
     real(dp) :: square, lost
-    logical :: liquid(size(scene%bodies))
-    integer :: b, f
+    integer :: f
     if (.not. any(abs(scene%gravity) > 0.0_dp) .or. model%mesh%ndim == 1) return
-    liquid = [(is_liquid(model, b), b=1, size(scene%bodies))]
     do f = 1, size(model%fields)
-      if (.not. any(liquid .and. model%bodies(:size(scene%bodies))%field == f)) cycle
-      square = wave_number(scene, model, f, liquid)
+      if (.not. any(law_liquid(model%bodies%law) .and. .not. model%bodies%rigid .and. &
+                    model%bodies%field == f)) cycle
+      square = wave_number(scene, model, f)
       lost = square*merge(wave_weight, noisy_weight, any(scene%method%kind == [method_sgmp, &
                                                                                method_bspline]))
       if (lost < least_told) cycle
@@ -56,32 +55,17 @@ contains
     end do
   end subroutine judge_waves
 
-  !> Whether a body is a liquid.
-  pure logical function is_liquid(model, b) result(yes)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b
-    associate (body => model%bodies(b))
-      yes = .not. body%rigid .and. body%law%kind == material_fluid .and. .not. law_gaseous(body%law)
-    end associate
-  end function is_liquid
-
   !> The mean (kh)^2 of a field's motion; 0 if next to nothing moves. All ranks must call it.
-  function wave_number(scene, model, f, liquid) result(square)
+  function wave_number(scene, model, f) result(square)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: f
-    logical, intent(in) :: liquid(:)       !! (bodies)
     real(dp) :: square
     integer(i8) :: sums(terms)             !! mass, momentum, mass v^2, mass (change of v)^2
     real(dp) :: means(terms), mass, volume, motion
-    integer :: b, i
-    mass = 0.0_dp
-    volume = 0.0_dp
-    do b = 1, size(liquid)
-      if (.not. liquid(b) .or. model%bodies(b)%field /= f) cycle
-      mass = mass + model%totals%bodies(b)%mass
-      volume = volume + model%totals%bodies(b)%mass/model%bodies(b)%law%density
-    end do
+    integer :: i
+    mass = sum(model%totals%bodies%mass, mask=model%bodies%field == f)
+    volume = sum(model%totals%bodies%mass/model%bodies%law%density, mask=model%bodies%field == f)
     square = 0.0_dp
     if (.not. min(mass, model%findings%fastest) > 0.0_dp) return
     sums = 0_i8

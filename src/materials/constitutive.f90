@@ -74,7 +74,7 @@ module sgmp_constitutive
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
-  public :: law_gaseous, law_is_spherical, law_is_springy
+  public :: law_gaseous, law_is_spherical, law_is_springy, law_liquid
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -797,6 +797,12 @@ contains
           (law%kind == material_fluid .and. &
            (law%eos == eos_ideal_gas .or. (law%eos == eos_table .and. table_gaseous(law%table))))
   end function law_gaseous
+
+  !> Whether the material is a fluid that has a volume of its own.
+  elemental logical function law_liquid(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%kind == material_fluid .and. .not. law_gaseous(law)
+  end function law_liquid
 
   !> Columns for what a law keeps.
   pure subroutine law_slots(law, ndim)

@@ -2,8 +2,8 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_density, body_t
-  use sgmp_constitutive, only: law_gaseous, material_crushable_foam, material_explosive, &
-                               material_fluid
+  use sgmp_constitutive, only: law_gaseous, law_liquid, material_crushable_foam, &
+                               material_explosive, material_fluid
   use sgmp_debris, only: debris_possible
   use sgmp_failure, only: failure_none
   use sgmp_filling, only: filling_measure
@@ -159,7 +159,7 @@ contains
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: pressure
     logical :: yes
-    yes = body%law%kind == material_fluid .and. body%law%failure%tension < failure_none
+    yes = law_liquid(body%law) .and. body%law%failure%tension < failure_none
     if (yes) yes = pressure <= -body%law%failure%tension
   end function is_spray
 

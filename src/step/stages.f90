@@ -233,9 +233,10 @@ contains
     type(model_t), intent(inout) :: model
     logical, intent(in) :: before_kick
     if (free_any(model%bodies)) then
-      call free_strain(model%mesh, model%fields, model%bodies, model%contact, &
+      call free_strain(contact_step(model), model%mesh, model%fields, model%bodies, &
+                       model%contact, &
                        merge(node_velocity(model%mesh%ndim), node_remapped, before_kick), &
-                       model%ranks)
+                       model%team%threads, model%ranks)
     end if
     call phase_contact_velocity(contact_step(model), before_kick, model%mesh, model%fields, &
                                 model%bodies, model%contact, model%team%threads, model%ranks, &

@@ -326,8 +326,8 @@ contains
     type(contact_pair_t), intent(in) :: pair
     real(dp) :: reach
     integer :: side, b
-    reach = pair%depth
-    if (reach < huge(1.0_dp) .or. any(law_is_spherical(model%bodies(pair%body)%law))) return
+    reach = huge(1.0_dp)
+    if (pair%depth < reach .or. any(law_is_spherical(model%bodies(pair%body)%law))) return
     if (any(pair%body > size(scene%bodies))) return
     do side = 1, 2
       associate (card => scene%bodies(pair%body(side)))

@@ -21,7 +21,7 @@ module sgmp_contact_reaction
   use sgmp_vectors, only: cross
   implicit none
   private
-  public :: reaction_t, reaction_find, reaction_find_strain
+  public :: reaction_t, reaction_find
 
   !> On one body.
   type :: reaction_t
@@ -33,8 +33,10 @@ module sgmp_contact_reaction
 
 contains
 
-  !> Reactions on all free bodies; all ranks must call it.
-  subroutine reaction_find(contact, mesh, own, fields, bodies, step, threads, reactions)
+  !> Reactions on all free bodies, of the trial, or where a column is given of the straining
+  !! velocity that begins there: what it takes from them to obey contact, the momentum that no
+  !! particle receives. All ranks must call it.
+  subroutine reaction_find(contact, mesh, own, fields, bodies, step, threads, reactions, column)
     type(contact_t), intent(in) :: contact
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: own(2)          !! first and last plane of this rank
@@ -43,6 +45,7 @@ contains
     type(contact_step_t), intent(in) :: step
     integer, intent(in) :: threads
     type(reaction_t), intent(out) :: reactions(:)  !! (bodies)
+    integer, intent(in), optional :: column
     real(dp), allocatable :: table(:, :)
     real(dp) :: sums(terms)
     integer, allocatable :: nodes(:)
@@ -52,9 +55,13 @@ contains
       nodes = nodes_of(contact%shared, own, b)
       allocate (table(terms, size(nodes)))
       !$omp parallel do schedule(dynamic, 16) num_threads(threads) if(threads > 1) default(none) &
-      !$omp& shared(contact, nodes, table, mesh, fields, bodies, step, b) private(i)
+      !$omp& shared(contact, nodes, table, mesh, fields, bodies, step, b, column) private(i)
       do i = 1, size(nodes)
-        table(:, i) = node_reaction(contact, nodes(i), b, mesh, fields, bodies, step)
+        if (present(column)) then
+          table(:, i) = node_strain(contact%shared, nodes(i), b, mesh, fields, bodies, column)
+        else
+          table(:, i) = node_reaction(contact, nodes(i), b, mesh, fields, bodies, step)
+        end if
       end do
       !$omp end parallel do
       call parallel_exact_sums(table, sums)
@@ -63,34 +70,6 @@ contains
       deallocate (table)
     end do
   end subroutine reaction_find
-
-  !> What the straining velocity takes from free bodies to obey contact: the momentum that no
-  !! particle receives. All ranks must call it.
-  subroutine reaction_find_strain(contact, mesh, own, fields, bodies, column, reactions)
-    type(contact_t), intent(in) :: contact
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: own(2)          !! first and last plane of this rank
-    type(field_t), intent(in) :: fields(:)
-    type(body_t), intent(in) :: bodies(:)
-    integer, intent(in) :: column          !! of the nodes, where the velocity begins
-    type(reaction_t), intent(out) :: reactions(:)  !! (bodies)
-    real(dp), allocatable :: table(:, :)
-    real(dp) :: sums(terms)
-    integer, allocatable :: nodes(:)
-    integer :: b, i
-    do b = 1, size(bodies)
-      if (.not. bodies(b)%rigid_motion%free) cycle
-      nodes = nodes_of(contact%shared, own, b)
-      allocate (table(terms, size(nodes)))
-      do i = 1, size(nodes)
-        table(:, i) = node_strain(contact%shared, nodes(i), b, mesh, fields, bodies, column)
-      end do
-      call parallel_exact_sums(table, sums)
-      reactions(b)%impulse = sums(:freedoms)
-      reactions(b)%carried = reshape(sums(freedoms + 1:), [freedoms, freedoms])
-      deallocate (table)
-    end do
-  end subroutine reaction_find_strain
 
   !> Nodes of the own planes where a body may touch another.
   pure function nodes_of(shared, own, b) result(nodes)

@@ -9,7 +9,7 @@
 module sgmp_rigid_stages
   use sgmp_body, only: body_t
   use sgmp_contact, only: contact_step_t, contact_t
-  use sgmp_contact_reaction, only: reaction_find, reaction_find_strain, reaction_t
+  use sgmp_contact_reaction, only: reaction_find, reaction_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
@@ -104,21 +104,24 @@ contains
   !> The velocity with which free bodies strain the others. What contact takes from the nodes to
   !! make that velocity obey, and no particle receives, is taken from a free body as a whole: else
   !! contact would do work on what comes up to a light one (doc/loads.md).
-  subroutine free_strain(mesh, fields, bodies, contact, column, ranks)
+  subroutine free_strain(step, mesh, fields, bodies, contact, column, threads, ranks)
+    type(contact_step_t), intent(in) :: step
     type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: column                !! of the nodes, where the velocity begins
+    integer, intent(in) :: threads
     type(ranks_t), intent(in) :: ranks
     type(reaction_t) :: reactions(size(bodies))
     real(dp) :: matrix(freedoms, freedoms), change(freedoms)
     integer :: b
     if (size(contact%pairs) == 0) return
-    call reaction_find_strain(contact, mesh, ranks%partition%own, fields, bodies, column, reactions)
+    call reaction_find(contact, mesh, ranks%partition%own, fields, bodies, step, threads, &
+                       reactions, column)
     do b = 1, size(bodies)
       if (.not. bodies(b)%rigid_motion%free) cycle
-      matrix = motion_mass_matrix(bodies(b)%rigid_motion) + reactions(b)%carried
+      matrix = mass_matrix(bodies(b)%rigid_motion) + reactions(b)%carried
       change = merge(reactions(b)%impulse, 0.0_dp, motion_axes(mesh%space))
       call hold(motion_axes(mesh%space), matrix)
       call add_motion(contact%shared, b, mesh, bodies(b), solution(matrix, change), column, fields)
@@ -150,7 +153,7 @@ contains
   end subroutine add_motion
 
   !> Mass and, as the body lies now, moments of inertia.
-  pure function motion_mass_matrix(motion) result(mass)
+  pure function mass_matrix(motion) result(mass)
     type(rigid_motion_t), intent(in) :: motion
     real(dp) :: mass(freedoms, freedoms), r(3, 3)
     integer :: d
@@ -160,7 +163,7 @@ contains
     do d = 1, 3
       mass(d, d) = motion%mass
     end do
-  end function motion_mass_matrix
+  end function mass_matrix
 
   !> Takes the directions in which a body cannot move out of a system of equations.
   pure subroutine hold(axes, matrix)
@@ -187,7 +190,7 @@ contains
     integer :: d
     axes = motion_axes(space)
     associate (motion => body%rigid_motion)
-      mass = motion_mass_matrix(motion)
+      mass = mass_matrix(motion)
       missing = merge(motion%momentum + motion%push + reaction%impulse - motion%trial, 0.0_dp, axes)
       matrix = mass + reaction%carried
       call hold(axes, matrix)
