@@ -49,6 +49,9 @@ contains
                         'them cells grow. Default: all are equal', unit='length', &
                         source='doc/grids.md')
     end do
+    call registry%key('fine_'//axis_names(1, space_axisymmetric), kind_points, 'the same along '// &
+                      'the radius of an axisymmetric scene, in the place of fine_x', &
+                      unit='length', source='doc/grids.md')
     call registry%key('ratio', kind_real, 'by which a cell beside a fine interval is at most '// &
                       'larger than the one before; default: 1.1', range='[1,1.5]', &
                       source='doc/grids.md')
@@ -137,7 +140,7 @@ contains
                             real_text_plain(value%vector(1))//' and not at the axis', &
                             'write r=0:… or r=open; a hollow body needs no inner face')
           end if
-          if (axis <= dimension .and. size(card%points('fine_'//axis_names(axis, 3)), 2) > 0) then
+          if (axis <= dimension .and. size(card%points('fine_'//draft%axis_key(axis)), 2) > 0) then
             call grade_axis(card, axis, draft)
             cycle
           end if
@@ -159,17 +162,20 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     character(7), parameter :: words(2) = [character(7) :: 'ratio', 'largest']
+    character(1), parameter :: names(4) = ['x', 'y', 'z', 'r']
     character(6) :: key
     logical :: any_fine
-    integer :: axis, w
+    integer :: i, axis, w
     any_fine = .false.
-    do axis = 1, 3
-      key = 'fine_'//axis_names(axis, 3)
+    do i = 1, size(names)
+      key = 'fine_'//names(i)
       if (size(card%points(key), 2) == 0) cycle
       any_fine = .true.
-      if (axis <= draft%scene%dimension) cycle
+      if (any([(draft%axis_key(axis) == names(i), axis=1, draft%scene%dimension)])) cycle
       call draft%errors%add(card%place(key), key//' '//draft%in_space(), &
-                            'remove it or change the dimension')
+                            trim(merge('the axes are r and z: write fine_r or fine_z', &
+                                       'remove it or change the dimension           ', &
+                                       draft%scene%axisymmetric)))
     end do
     do w = 1, 2
       if (any_fine .or. .not. card%has(trim(words(w)))) cycle
@@ -187,9 +193,10 @@ contains
     character(:), allocatable :: message, remedy
     character(6) :: key
     real(dp) :: ends(2)
-    key = 'fine_'//axis_names(axis, 3)
+    key = 'fine_'//draft%axis_key(axis)
     associate (grid => draft%scene%grid)
       wish%open = grid%open(:, axis)
+      if (axis == 1 .and. draft%scene%axisymmetric) wish%open(1) = .false.  ! it begins at the axis
       wish%held = grid_fit_held(grid, axis, draft%scene%axisymmetric) .and. .not. wish%open
       wish%ends = [grid%lower(axis), grid%upper(axis)]
       wish%cell = grid%cell
@@ -210,7 +217,7 @@ contains
       end if
       grid%moved(axis) = any(.not. wish%open .and. &
                              abs(ends - wish%ends) > 1.0e-6_dp*grid%cell)
-      if (.not. wish%open(1)) grid%lower(axis) = ends(1)
+      if (.not. grid%open(1, axis)) grid%lower(axis) = ends(1)
       if (.not. wish%open(2)) grid%upper(axis) = ends(2)
     end associate
   end subroutine grade_axis

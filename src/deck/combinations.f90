@@ -33,7 +33,7 @@ module sgmp_combinations
     character(16) :: name = ''        !! in lists of this table, without blanks
     character(24) :: label = ''       !! in messages; '': the name
     character(24) :: cards = ''       !! that ask for it
-    character(24) :: key = ''         !! or several, for ask_given
+    character(32) :: key = ''         !! or several, for ask_given
     integer :: ask = ask_card         !! one of ask_*
     character(12) :: word = ''
     integer :: number = 0
@@ -92,7 +92,7 @@ module sgmp_combinations
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
     feature_t('blast', '', 'blast', '', ask_card, '', 0), &
-    feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z', ask_given, &
+    feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', ask_given, &
               '', 0), &
     feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
     feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
@@ -189,9 +189,6 @@ module sgmp_combinations
     refusal_t('blast', '2D', '', &
               'the blast of a charge is a sphere, not a cylinder', &
               'write dimension axisymmetric or dimension 3'), &
-    refusal_t('graded', 'axisymmetric', '', &
-              'not worked out: the forces next to the axis of rings in unequal cells', &
-              'remove fine_x, fine_y, or take a quarter model with dimension 3'), &
     refusal_t('graded', 'mpm gimp cpgimp bspline', '', &
               'their weights are those of equal cells; the auxiliary grid of sgmp has tables', &
               'use method sgmp'), &

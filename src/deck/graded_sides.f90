@@ -51,11 +51,11 @@ contains
     if (.not. wish%open(2)) ends(2) = fine(1, 1) + wish%cell*sum(sides(before + 1:))
     if (wish%held(2)) ends(2) = wish%ends(2)
     if (.not. wish%open(1)) then
-      axis = graded_make(ends(1), 0, sides)
+      axis = graded_make(ends(1), 0, sides, wish%held)
     else if (.not. wish%open(2)) then
-      axis = graded_make(ends(2), -size(sides), sides)
+      axis = graded_make(ends(2), -size(sides), sides, wish%held)
     else
-      axis = graded_make(fine(1, 1), -before, sides)
+      axis = graded_make(fine(1, 1), -before, sides, wish%held)
     end if
   end subroutine graded_sides
 

@@ -3,6 +3,7 @@
 module sgmp_lost_particles
   use sgmp_body, only: body_parts, body_t
   use sgmp_columns, only: columns_before, columns_t, columns_turn_back
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp
   use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_mesh, only: mesh_t
@@ -112,8 +113,8 @@ contains
     v = motion_velocity(mesh%ndim) + d - 1
     particle(d) = 2*merge(mesh%lower(d), mesh%upper(d), particle(d) < mesh%lower(d)) - particle(d)
     particle(v) = -particle(v)
-    call columns_turn_back(columns, d, particle(1), columns_before(columns, plan%first_column), &
-                           values)
+    call columns_turn_back(columns, d, graded_place(mesh%axes(1), particle(1)), &
+                           columns_before(columns, plan%first_column), values)
   end subroutine turn_back
 
   !> Finds the bins of movers; those beyond the outermost bins of the grid are gone.

@@ -46,7 +46,7 @@ contains
         n = min(tile, field%work%last(s) - first + 1)
         idx = field%neighbour(0, 0, s) + first
         call least_volume(field, mesh, s, first, n, cell, least)
-        call filled_volumes(cell, axis_correction, first, n, filled)
+        call filled_volumes(mesh, cell, axis_correction, first, n, filled)
         call velocity_slopes(field, mesh%inverse_h, s, first, n, slope2)
         call pressure_jumps(field, s, first, n, pressure, jump2)
         call relax_row(field, n, idx, method, mesh%h, dt, cell, least, filled, slope2, pressure, &

@@ -41,6 +41,7 @@ module DIM(sgmp_chunk)
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
                        sum_moment, sum_momentum, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
+  use sgmp_graded_axis, only: graded_place
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
@@ -318,7 +319,7 @@ contains
     end if
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
-      radius = motion(:, 1)
+      radius = radii(mesh, motion)
       if (plan%kick) call swirl_kick(plan%dt_kick, task%live(1, nl), radius, motion(1, mass_at), &
                                      got(1, task%swirl_kick), state(1, body%law%slots%swirl), &
                                      lane_sums)
@@ -342,16 +343,17 @@ contains
                  xi, lane_sums, outside)
     end if
 #ifdef AXISYMMETRIC
-    if (plan%swirl .and. plan%drift) call swirl_drift(task%live(1, nl), radius, motion, &
-                                                      motion(1, mass_at), &
-                                                      state(1, body%law%slots%swirl), lane_sums)
+    if (plan%swirl .and. plan%drift) then
+      call swirl_drift(task%live(1, nl), radius, radii(mesh, motion), motion(1, mass_at), &
+                       state(1, body%law%slots%swirl), lane_sums)
+    end if
 #endif
     if (mesh%graded .and. plan%strain .and. body%law%viscous) then
       work%law%side = contraction_sides(mesh, motion, got(1, task%gradient))
-      call update_stress(work%law, plan, task, task%live(1, nl), motion, got, nb, &
+      call update_stress(work%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     else
-      call update_stress(body%law, plan, task, task%live(1, nl), motion, got, nb, &
+      call update_stress(body%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     end if
     if (plan%strain .and. body%law%slots%damage > 0) then
@@ -378,7 +380,7 @@ contains
 #ifdef AXISYMMETRIC
     if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
-    call collect(plan%mass, plan%momentum, task%masses, task%live(1, nl), motion, values)
+    call collect(mesh, plan%mass, plan%momentum, task%masses, task%live(1, nl), motion, values)
     if (task%drives > 0) call driven_masses(body, task%live(1, nl), motion(1, mass_at), nb, state, &
                                             task%driven, values(1, task%drives))
     if (task%room > 0) call debris_room(body%law, task%live(1, nl), motion(1, mass_at), nb, state, &
@@ -387,8 +389,8 @@ contains
                                                 motion(1, mass_at), xi, nb, state, &
                                                 values(1, task%averages))
 #ifdef AXISYMMETRIC
-    if (task%swirl > 0) call swirl_collect(task%live(1, nl), motion, motion(1, mass_at), &
-                                           state(1, body%law%slots%swirl), &
+    if (task%swirl > 0) call swirl_collect(task%live(1, nl), radii(mesh, motion), &
+                                           motion(1, mass_at), state(1, body%law%slots%swirl), &
                                            values(1, task%swirl))
 #endif
     if (task%square > 0) then
@@ -651,9 +653,10 @@ contains
   end subroutine drive
 
   !> Stress update where the sweep strains, and the flux that the grid wants.
-  subroutine update_stress(law, plan, task, live, motion, got, nb, state, flux, speed2, jacobian, &
-                           lane_sums)
+  subroutine update_stress(law, mesh, plan, task, live, motion, got, nb, state, flux, speed2, &
+                           jacobian, lane_sums)
     type(constitutive_t), intent(in) :: law
+    type(mesh_t), intent(in) :: mesh
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
@@ -664,12 +667,13 @@ contains
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       if (plan%strain) then
-        call swirl_strain(law, plan%dt_strain, plan%behind, plan%time, task%inverse_h, motion, &
-                          motion(1, mass_at), live, got(1, task%gradient), &
+        call swirl_strain(law, plan%dt_strain, plan%behind, plan%time, task%inverse_h, &
+                          radii(mesh, motion), motion(1, mass_at), live, got(1, task%gradient), &
                           got(1, task%swirl_read), nb, state, flux, speed2, jacobian, &
                           lane_sums(1, sum_internal), lane_sums(1, sum_viscous))
       else if (plan%stress) then
-        call swirl_flux(law, task%inverse_h, motion, motion(1, mass_at), live, nb, state, flux)
+        call swirl_flux(law, task%inverse_h, radii(mesh, motion), motion(1, mass_at), live, nb, &
+                        state, flux)
       end if
       return
     end if
@@ -820,6 +824,15 @@ contains
   end subroutine gather
 
 #ifdef AXISYMMETRIC
+  !> Radii of the rings of a chunk (smallest cell).
+  pure function radii(mesh, motion) result(radius)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp) :: radius(lanes)
+    radius = motion(:, 1)
+    if (mesh%graded) radius = graded_place(mesh%axes(1), motion(:, 1))
+  end function radii
+
   !> Hoop strain rate of a chunk where particles read the nodes (MPM, GIMP): v_r/r.
   pure subroutine gather_hoop(task, xi, cell, axes, row, records, motion, rate)
     type(task_t), intent(in) :: task
@@ -967,21 +980,28 @@ contains
   end subroutine note_worst
 
   !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
-  pure subroutine collect(with_mass, with_momentum, masses, live, motion, values)
+  pure subroutine collect(mesh, with_mass, with_momentum, masses, live, motion, values)
+    type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: with_mass, with_momentum
     integer, intent(in) :: masses                !! columns of mass
     real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
     real(dp), intent(inout) :: values(lanes, *)
     real(dp) :: mass
+#ifdef AXISYMMETRIC
+    real(dp) :: radius(lanes)
+#endif
     integer :: n, d, l
     n = 0
     if (with_mass) then
       n = masses
+#ifdef AXISYMMETRIC
+      radius = radii(mesh, motion)
+#endif
       !$omp simd simdlen(8)
       do l = 1, lanes
         values(l, 1) = live(l)*motion(l, mass_at)
 #ifdef AXISYMMETRIC
-        values(l, NMASS) = values(l, 1)*motion(l, 1)
+        values(l, NMASS) = values(l, 1)*radius(l)
 #endif
       end do
     end if
@@ -1192,12 +1212,13 @@ contains
       call splitting_halve(body%law, task%h, side, axis, offset, gradient, nb, half_motion, &
                            half_state, share, lane_sums(1, sum_split))
       half = spread(share, 2, size(values, 2))*values
-      call collect(plan%mass, plan%momentum, task%masses, live, half_motion, half)
+      call collect(mesh, plan%mass, plan%momentum, task%masses, live, half_motion, half)
       if (task%square > 0) then
         call relaxation_square(body%law, live, half_motion, half(1, task%square))
       end if
 #ifdef AXISYMMETRIC
-      if (task%swirl > 0) call swirl_collect(live, half_motion, half_motion(1, mass_at), &
+      if (task%swirl > 0) call swirl_collect(live, radii(mesh, half_motion), &
+                                             half_motion(1, mass_at), &
                                              half_state(1, body%law%slots%swirl), &
                                              half(1, task%swirl))
 #endif

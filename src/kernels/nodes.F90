@@ -19,6 +19,9 @@ module DIM(sgmp_nodes)
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_divergence, graded_spread
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_hoop_force
+#endif
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
@@ -112,7 +115,7 @@ contains
 #endif
         call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, dt, method%cutoff, &
                         field%node(idx, 1))
-        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
+        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh, s, first, n, m, &
                                                             dt)
         if (mesh%walls_move) call wall_nodes_book(field, mesh, s, first, n, m, dt, sums)
         if (method%features%wall_friction%rubs) then
@@ -152,7 +155,7 @@ contains
 #endif
         call solve_tile(n, size(field%node, 1), field%kernel, m, p, f, 0.0_dp, cutoff, &
                         field%node(idx, 1))
-        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh%inverse_h, s, first, n, m, &
+        if (field%columns%swirl > 0) call nodes_swirl_solve(field, mesh, s, first, n, m, &
                                                             0.0_dp)
         call walls_hold(field, mesh, s, first, n, node_acceleration, wall_kick)
         call walls_hold(field, mesh, s, first, n, node_velocity(NDIM), wall_speed)
@@ -311,7 +314,7 @@ contains
       i = field%neighbour(0, 0, s) + first
       moment(:n) = field%moment(i:i + n - 1, field%columns%radial)
     end if
-    call axis_inertia(first, n, m, moment, inertia)
+    call axis_inertia(field%radii, first, n, m, moment, inertia)
   end subroutine radial_inertia
 
   !> Divides the radial component of a tile's vector by its inertia.
@@ -383,8 +386,15 @@ contains
                             centre_rows(field, s, first), f(1, a))
       end do
 #ifdef AXISYMMETRIC
-      call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
-                          field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
+      if (mesh%graded) then
+        call graded_hoop_force(mesh, graded_row(field, s), first, n, field%hoop(first - 1, 1), &
+                               field%hoop(first - 1, 2), field%moment(1, before + NFLUX), &
+                               centre_rows(field, s, first), f(1, 1))
+      else
+        call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), &
+                            field%hoop(first - 1, 2), field%moment(1, before + NFLUX), &
+                            centre_rows(field, s, first), f(1, 1))
+      end if
 #endif
 #if NDIM > 1
       if (field%columns%corrected) then

@@ -43,7 +43,7 @@ contains
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         idx = field%neighbour(0, 0, s) + first - 1
-        call filled_volumes(cell, field%hoop_correction, first, n, filled)
+        call filled_volumes(mesh, cell, field%hoop_correction, first, n, filled)
         call least_volume(field, mesh, s, first, n, cell, least)
         if (mesh%graded) then
           call grade_volumes(mesh, key_j(field%work%key(s)), key_k(field%work%key(s)), first, n, &
@@ -105,7 +105,8 @@ contains
   end function cell_volume
 
   !> Volumes that the centres of a row have where they are full.
-  pure subroutine filled_volumes(cell, correction, first, n, filled)
+  pure subroutine filled_volumes(mesh, cell, correction, first, n, filled)
+    type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: cell              !! cell_volume
     real(dp), intent(in) :: correction        !! of the hoop strain, about an axis
     integer, intent(in) :: first, n           !! first centre, how many
@@ -115,7 +116,7 @@ contains
     block
       integer :: i
       do i = 1, n
-        filled(i) = cell*axis_radius_balanced(correction, first + i - 1)
+        filled(i) = cell*axis_radius_balanced(mesh%axes(1), correction, first + i - 1)
       end do
     end block
 #endif
@@ -170,6 +171,9 @@ contains
         b = field%neighbour(dj, dk, s) + first - 1
         if (mesh%graded) then
           one(:n + 1) = 1.0_dp
+#ifdef AXISYMMETRIC
+          one(:n + 1) = axis_radius(mesh%axes(1), [(first + i - 1, i=0, n + 1)])
+#endif
           call grade_volumes(mesh, j + dj, k + dk, first - 1, n + 2, one)
           do i = 0, n + 1
             least(i) = min(least(i), field%moment(b + i, field%columns%volume)/one(i))
@@ -180,7 +184,7 @@ contains
         do i = 0, n + 1
 #ifdef AXISYMMETRIC
           least(i) = min(least(i), field%moment(b + i, field%columns%volume)/ &
-                                   axis_radius(first + i - 1))
+                                   axis_radius(mesh%axes(1), first + i - 1))
 #else
           least(i) = min(least(i), field%moment(b + i, field%columns%volume))
 #endif

@@ -9,6 +9,7 @@ module sgmp_field
   use sgmp_columns, only: averaging_rates, collide_kick, columns_keep_behind, columns_make, &
                           columns_t, relax_total
   use sgmp_drive, only: drive_t
+  use sgmp_graded_axis, only: graded_axis_t
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
@@ -49,6 +50,7 @@ module sgmp_field
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
     logical :: gaps = .false.                       !! normalised stress leaves gaps alone: solids
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
+    type(graded_axis_t) :: radii                    !! sides of the cells along x
     real(dp), allocatable :: hoop(:, :)  !! (x of a centre; inner, outer) weights of the hoop strain
                                          !! where there is an axis and values are at centres
     real(dp), allocatable :: relax(:, :)  !! (points, relax_total) what particles relax to, at the
@@ -75,6 +77,7 @@ contains
     field%ndim = mesh%ndim
     field%space = mesh%space
     field%hoop_correction = mesh%hoop
+    field%radii = mesh%axes(1)
     field%columns = columns_make(mesh%space, kernel)
     if (present(columns)) field%columns = columns
     if (field%columns%driven > 0) allocate (field%drives(field%columns%driven))
@@ -112,7 +115,7 @@ contains
     end if
     call field_number(new)
     call field_link(new)
-    call weigh_hoops(new, field%hoop_correction)
+    call weigh_hoops(new, field%radii, field%hoop_correction)
     more = merge(beyond, 0, new%columns%pairs > 0)
     allocate (new%moment(new%points + more, new%columns%total))
     allocate (new%node(new%points + more, new%columns%nodes))
@@ -140,8 +143,9 @@ contains
   end subroutine field_build
 
   !> Weights of the hoop strain at the centres around the nodes, which all planes share.
-  pure subroutine weigh_hoops(field, correction)
+  pure subroutine weigh_hoops(field, radii, correction)
     type(field_t), intent(inout) :: field
+    type(graded_axis_t), intent(in) :: radii
     real(dp), intent(in) :: correction
     integer :: first, last
     if (field%space /= space_axisymmetric .or. .not. kernel_centred(field%kernel)) return
@@ -149,7 +153,8 @@ contains
     first = minval(field%work%first(:field%work%n)) - 1
     last = maxval(field%work%last(:field%work%n))
     allocate (field%hoop(first:last, 2))
-    call axis_hoop_weights(correction, first, last - first + 1, field%hoop(:, 1), field%hoop(:, 2))
+    call axis_hoop_weights(radii, correction, first, last - first + 1, field%hoop(:, 1), &
+                           field%hoop(:, 2))
   end subroutine weigh_hoops
 
   !> Zeroes all values, every thread those of some planes, so that their memory lies near it.

@@ -8,21 +8,22 @@
 !! its place: weights are those of equal cells. The integral of a centre's hat function over the
 !! place is h_c for any sides, and a uniform stress therefore pushes no node.
 !!
-!! Lengths are in the smallest cell's side h. Beyond the table sides are as they are at its ends,
-!! which at a wall is the mirror image of what lies before it.
+!! Lengths are in the smallest cell's side h. Beyond the table sides are as they are at its ends; the
+!! centre behind a wall is the image of the one before it.
 module sgmp_graded_axis
   use sgmp_kinds, only: dp
   implicit none
   private
   public :: graded_axis_t, graded_make
-  public :: graded_advance, graded_centre, graded_coordinate, graded_place, graded_spacing, &
-            graded_tables, graded_width
+  public :: graded_advance, graded_centre, graded_coordinate, graded_node, graded_place, &
+            graded_spacing, graded_tables, graded_width
 
   !> Tables of one axis; without them cells are equal.
   type :: graded_axis_t
     logical :: graded = .false.
     real(dp) :: origin = 0.0_dp          !! place of the deck's node 0 (length)
     integer :: first = 0, last = 0       !! outermost nodes of the table
+    logical :: walls(2) = .false.        !! there is a wall, or the axis of symmetry
     real(dp), allocatable :: spacing(:)  !! (first:last) H_I
     real(dp), allocatable :: centre(:)   !! (first - 1:last) places of centres from the origin
     real(dp), allocatable :: slope(:)    !! (first - 1:last) 1/h_c
@@ -33,10 +34,11 @@ module sgmp_graded_axis
 contains
 
   !> The axis of some cells.
-  pure function graded_make(origin, first, sides) result(axis)
+  pure function graded_make(origin, first, sides, walls) result(axis)
     real(dp), intent(in) :: origin       !! place of the deck's node 0 (length)
     integer, intent(in) :: first         !! the first cell, whose lower node has the same number
     real(dp), intent(in) :: sides(first:)  !! of the cells (smallest cell)
+    logical, intent(in) :: walls(2)      !! at the lower and the upper end, or the axis of symmetry
     type(graded_axis_t) :: axis
     integer :: last, i
     last = ubound(sides, 1) + 1
@@ -44,6 +46,7 @@ contains
     axis%origin = origin
     axis%first = first
     axis%last = last
+    axis%walls = walls
     allocate (axis%spacing(first:last), axis%centre(first - 1:last), axis%slope(first - 1:last), &
               axis%low(first - 1:last))
     axis%spacing(first) = sides(first)
@@ -66,6 +69,8 @@ contains
       axis%slope(i) = 1.0_dp/graded_width(axis, i)
       axis%low(i) = 0.5_dp*graded_spacing(axis, i + 1)*axis%slope(i)
     end do
+    if (walls(1)) axis%low(first - 1) = 1.0_dp - axis%low(first)
+    if (walls(2)) axis%low(last) = 1.0_dp - axis%low(last - 1)
   end function graded_make
 
   !> Spacing H_I of the centres around a node.
@@ -82,10 +87,14 @@ contains
     type(graded_axis_t), intent(in) :: axis
     integer, intent(in) :: centre
     real(dp) :: width
+    integer :: c
     width = 1.0_dp
     if (.not. axis%graded) return
-    width = 0.5_dp*(axis%spacing(min(max(centre, axis%first), axis%last)) + &
-                    axis%spacing(min(max(centre + 1, axis%first), axis%last)))
+    c = centre
+    if (axis%walls(1)) c = max(c, axis%first)
+    if (axis%walls(2)) c = min(c, axis%last - 1)
+    width = 0.5_dp*(axis%spacing(min(max(c, axis%first), axis%last)) + &
+                    axis%spacing(min(max(c + 1, axis%first), axis%last)))
   end function graded_width
 
   !> Place of a centre, from the origin.
@@ -101,6 +110,15 @@ contains
       place = axis%centre(c) + (centre - c)*graded_spacing(axis, centre)
     end if
   end function graded_centre
+
+  !> Place of a node, midway between the centres around it, from the origin.
+  elemental function graded_node(axis, node) result(place)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: node
+    real(dp) :: place
+    place = node
+    if (axis%graded) place = 0.5_dp*(graded_centre(axis, node - 1) + graded_centre(axis, node))
+  end function graded_node
 
   !> Place of a coordinate, from the origin.
   elemental function graded_place(axis, x) result(place)

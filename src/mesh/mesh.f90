@@ -192,7 +192,7 @@ contains
     real(dp) :: cells
     integer :: axis
     if (mesh%space == space_axisymmetric) then
-      cells = volume/(x(1)*axis_cell(mesh%h))
+      cells = volume/(graded_place(mesh%axes(1), x(1))*axis_cell(mesh%h))
     else
       cells = volume/mesh%h**mesh%ndim
     end if

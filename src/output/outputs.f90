@@ -4,7 +4,7 @@ module sgmp_outputs
   use sgmp_contact_output, only: contact_rows_open, contact_rows_t, contact_rows_write
   use sgmp_driven_output, only: motion_rows_open, motion_rows_t, motion_rows_write
   use sgmp_energy, only: ledger_total
-  use sgmp_energy_terms, only: energy_terms_t
+  use sgmp_energy_terms, only: energy_term_t, energy_terms_t, from_removed
   use sgmp_errors, only: error_t
   use sgmp_file_tools, only: behind_error, directory_make
   use sgmp_gauges, only: gauges_find, gauges_from_start, gauges_open, gauges_start, gauges_t, &
@@ -144,7 +144,7 @@ contains
     if (restarted) step = outputs%last_row_step
     columns = history_columns
     columns = [columns, term_columns(model%ledger%terms)]
-    if (model%method%swirl) columns = [columns, swirl_columns]
+    if (model%method%swirl) columns = [columns, swirl_columns, around_columns(model%ledger%terms)]
     call outputs%history%open(folder//'/history.csv', columns, error, keep_to_step=step)
     if (allocated(error)) return
     call outputs%bodies%open(folder//'/bodies.csv', bodies_columns, error, bodies_integers, step, &
@@ -305,6 +305,28 @@ contains
     end do
   end function term_columns
 
+  !> Columns of the moments about the axis that particles took along.
+  pure function around_columns(terms) result(columns)
+    type(energy_terms_t), intent(in) :: terms
+    character(column_length), allocatable :: columns(:)
+    integer :: t
+    allocate (columns(0))
+    do t = 1, terms%n
+      associate (column => terms%term(t)%column)
+        if (goes_around(terms%term(t))) then
+          columns = [columns, [character(column_length) :: &
+                               column(:index(column, '_'))//swirl_columns(1)]]
+        end if
+      end associate
+    end do
+  end function around_columns
+
+  !> Whether the third component of a term is a moment about the axis, where there is swirl.
+  pure logical function goes_around(term) result(yes)
+    type(energy_term_t), intent(in) :: term
+    yes = term%source == from_removed .and. term%components == 3 .and. term%column /= ''
+  end function goes_around
+
   !> Rows of what all ranks know.
   subroutine write_sums(outputs, model, error)
     type(outputs_t), intent(inout) :: outputs
@@ -326,7 +348,12 @@ contains
           end if
         end associate
       end do
-      if (model%method%swirl) values = [values, model%mesh%h*l%momentum(3)]
+      if (model%method%swirl) then
+        values = [values, model%mesh%h*l%momentum(3)]
+        do t = 1, l%terms%n
+          if (goes_around(l%terms%term(t))) values = [values, model%mesh%h*l%terms%term(t)%value(3)]
+        end do
+      end if
     end associate
     call outputs%history%write_row(model%clock%step, values, error)
     if (allocated(error)) return

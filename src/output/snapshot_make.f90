@@ -2,6 +2,7 @@
 module sgmp_snapshot_make
   use sgmp_body, only: body_given_id, body_t
   use sgmp_errors, only: error_t
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_places
   use sgmp_model, only: model_t
@@ -137,7 +138,8 @@ contains
       snapshot%velocity(:, p) = 0.0_dp
       snapshot%velocity(axes(:nd), p) = body%particles%motion(l, v:v + nd - 1, c)
       if (model%method%swirl) snapshot%velocity(2, p) = &
-        body%particles%state(l, body%law%slots%swirl, c)/body%particles%motion(l, 1, c)
+        body%particles%state(l, body%law%slots%swirl, c)/ &
+        graded_place(model%mesh%axes(1), body%particles%motion(l, 1, c))
       at%ndim = nd
       at%lane = l
       at%chunk = c

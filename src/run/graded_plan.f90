@@ -16,7 +16,7 @@ module sgmp_graded_plan
   use sgmp_mesh, only: mesh_place, wall_slip
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_sum
-  use sgmp_scene, only: body_card_t, layout_lattice, scene_t
+  use sgmp_scene, only: body_card_t, layout_lattice, scene_space, scene_t
   use sgmp_scene_symmetry, only: scene_plain
   use sgmp_shapes, only: combine_difference, combine_union, shape_block, shape_cylinder, &
                          shape_halfspace, shapes_box
@@ -83,7 +83,7 @@ contains
     plan%particles = planned_particles(scene, model, axes)
     plan%gain = real(now, dp)/(price*real(max(plan%particles, 1_i8), dp))
     do a = 1, scene%dimension
-      if (graded(a)) plan%words = plan%words//'fine_'//axis_names(a, 3)//'=('// &
+      if (graded(a)) plan%words = plan%words//'fine_'//axis_names(a, scene_space(scene))//'=('// &
                                   real_text_tidy(fine(1, a))//','//real_text_tidy(fine(2, a))//') '
     end do
     plan%words = plan%words//'ratio='//real_text_plain(ratio)
@@ -101,8 +101,7 @@ contains
     reason = ''
     if (model%mesh%graded) then
       reason = 'its cells are unequal already'
-    else if (scene%axisymmetric .or. scene%method%kind /= method_sgmp .or. &
-             .not. scene%allows%graded) then
+    else if (scene%method%kind /= method_sgmp .or. .not. scene%allows%graded) then
       reason = 'unequal cells do not go with what it asks for (sgmp help combinations)'
     else if (pushed(scene)) then
       reason = 'forces or explosives act elsewhere than where bodies meet'
@@ -191,12 +190,14 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: axis
     type(box_t), intent(inout) :: box
-    logical :: touches(2)
+    logical :: touches(2), about
+    about = scene%axisymmetric .and. axis == 1   ! its image lies behind the axis
     associate (grid => scene%grid)
+      if (about) box%low(axis) = max(box%low(axis), 0.0_dp)
       if (.not. grid%open(1, axis)) box%low(axis) = max(box%low(axis), grid%lower(axis))
       if (.not. grid%open(2, axis)) box%high(axis) = min(box%high(axis), grid%upper(axis))
-      touches(1) = grid%wall(1, axis) == wall_slip .and. &
-                   box%low(axis) < grid%lower(axis) + 0.01_dp*grid%cell
+      touches(1) = (about .or. grid%wall(1, axis) == wall_slip) .and. &
+                   box%low(axis) < merge(0.0_dp, grid%lower(axis), about) + 0.01_dp*grid%cell
       touches(2) = grid%wall(2, axis) == wall_slip .and. &
                    box%high(axis) > grid%upper(axis) - 0.01_dp*grid%cell
       box%width(axis) = (box%high(axis) - box%low(axis))*(1 + count(touches))
@@ -254,7 +255,9 @@ contains
         if (.not. grid%open(1, a)) start = grid%lower(a)
         fine(1, a) = start + h*floor((fine(1, a) - start)/h + 1.0e-6_dp)
         fine(2, a) = start + h*ceiling((fine(2, a) - start)/h - 1.0e-6_dp)
-        if (.not. grid%open(1, a)) then
+        if (a == 1 .and. scene%axisymmetric) then
+          if (fine(1, a) < 4.0_dp*h) fine(1, a) = 0.0_dp
+        else if (.not. grid%open(1, a)) then
           if (fine(1, a) < grid%lower(a) + 4.0_dp*h) fine(1, a) = grid%lower(a)
         end if
         if (.not. grid%open(2, a)) then
@@ -308,7 +311,8 @@ contains
     real(dp) :: ends(2)
     associate (grid => scene%grid)
       wish%open = grid%open(:, axis)
-      wish%held = grid_fit_held(grid, axis, .false.) .and. .not. wish%open
+      if (axis == 1 .and. scene%axisymmetric) wish%open(1) = .false.
+      wish%held = grid_fit_held(grid, axis, scene%axisymmetric) .and. .not. wish%open
       wish%ends = [grid%lower(axis), grid%upper(axis)]
       wish%cell = grid%cell
       wish%ratio = ratio

@@ -538,14 +538,15 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     integer :: c
-    real(dp) :: spin(lanes)
+    real(dp) :: spin(lanes), radius(lanes)
     if (body%law%slots%swirl == 0 .or. body%rigid) return
     associate (particles => body%particles)
       do c = 1, particles%chunks
         call card%spin%evaluate_lanes(places(mesh, particles%motion(:, :2, c)), &
                                       particles%id(:, c) /= 0, spin)
+        radius = graded_place(mesh%axes(1), particles%motion(:, 1, c))
         where (particles%id(:, c) /= 0)
-          particles%state(:, body%law%slots%swirl, c) = spin*mesh%h*particles%motion(:, 1, c)**2
+          particles%state(:, body%law%slots%swirl, c) = spin*mesh%h*radius**2
         end where
       end do
     end associate
@@ -585,7 +586,7 @@ contains
           if (particles%id(l, c) == 0) cycle
           volume = particles%state(l, slots%volume, c)
           if (mesh%space == space_axisymmetric) then
-            volume = volume/(2.0_dp*pi*mesh%h*particles%motion(l, 1, c))
+            volume = volume/(2.0_dp*pi*mesh%h*graded_place(mesh%axes(1), particles%motion(l, 1, c)))
           end if
           volume = volume**(3.0_dp/real(particles%ndim, dp))
           call flaws_first(failure%flaws, volume, strength_variate(failure%seed, &
@@ -742,7 +743,8 @@ contains
         terms(8) = terms(8) + 0.5_dp*m*sum(particles%motion(l, n + 1:2*n, c)**2)
         if (swirl > 0) then
           terms(7) = terms(7) + m*particles%state(l, swirl, c)
-          terms(8) = terms(8) + 0.5_dp*m*(particles%state(l, swirl, c)/particles%motion(l, 1, c))**2
+          terms(8) = terms(8) + 0.5_dp*m*(particles%state(l, swirl, c)/ &
+                                          graded_place(mesh%axes(1), particles%motion(l, 1, c)))**2
         end if
         if (body%stressed) then
           terms(9) = terms(9) + first_energy(body, m, particles%state(l, :, c))

@@ -9,6 +9,7 @@ module sgmp_rebin_phases
   use sgmp_field_sweep, only: sweep_columns
   use sgmp_findings, only: findings_t
   use sgmp_kernels, only: stencil_width
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
   use sgmp_mesh, only: mesh_place, mesh_t
@@ -67,7 +68,7 @@ contains
       do b = 1, size(bodies)
         if (bodies(b)%rigid) cycle
         if (.not. (plan%loses .or. bodies(b)%law%erosion%given .or. bodies(b)%leaves)) cycle
-        call book_removed(b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
+        call book_removed(mesh, b, bodies, team%movers(b, :size(team%movers, 2) - 1), findings)
       end do
       if (ranks%partition%ranks > 1) then
         call exchange_movers(plan, mesh, bodies, team%movers, ranks, findings, timers)
@@ -125,7 +126,8 @@ contains
   end subroutine report_escaped
 
   !> Adds what particles of a body that are removed take along to the sums of the step.
-  subroutine book_removed(b, bodies, lists, findings)
+  subroutine book_removed(mesh, b, bodies, lists, findings)
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: b                     !! the body
     type(body_t), intent(in) :: bodies(:)
     type(movers_t), intent(in) :: lists(:)       !! of the body, of its own slabs
@@ -137,21 +139,22 @@ contains
         if (lists(s)%eroded(m)) then
           call tally_add(findings%tally, first + removed_sums*merge( &
                          removed_by_card, removed_by_erosion, bodies(b)%leaves), &
-                         taken_along(bodies(b), lists(s)%particle(:, m)))
+                         taken_along(mesh, bodies(b), lists(s)%particle(:, m)))
         else if (lists(s)%gone(m)) then
           call tally_add(findings%tally, first + removed_by_loss*removed_sums, &
-                         taken_along(bodies(b), lists(s)%particle(:, m)))
+                         taken_along(mesh, bodies(b), lists(s)%particle(:, m)))
         end if
       end do
     end do
   end subroutine book_removed
 
   !> What a particle takes along; with swirl its third momentum is that about the axis.
-  pure function taken_along(body, particle) result(terms)
+  pure function taken_along(mesh, body, particle) result(terms)
+    type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: particle(:)          !! columns of motion, then of state
     real(dp) :: terms(removed_sums)
-    real(dp) :: mass, around
+    real(dp) :: mass, around, radius
     integer :: n
     associate (law => body%law, columns => body%particles%motion_columns)
       n = body%particles%ndim
@@ -159,7 +162,7 @@ contains
       terms = 0.0_dp
       terms(removed_count) = 1.0_dp
       terms(removed_mass) = mass
-      terms(removed_moment:removed_moment + n - 1) = mass*particle(:n)
+      terms(removed_moment:removed_moment + n - 1) = mass*graded_place(mesh%axes(:n), particle(:n))
       associate (velocity => particle(motion_velocity(n):motion_velocity(n) + n - 1))
         terms(removed_momentum:removed_momentum + n - 1) = mass*velocity
         terms(removed_kinetic) = 0.5_dp*mass*sum(velocity**2)
@@ -167,9 +170,10 @@ contains
       terms(removed_internal) = mass/law%density*particle(columns + law%slots%energy)
       if (law%slots%swirl == 0) return
       around = particle(columns + law%slots%swirl)  ! v_theta X
+      radius = graded_place(mesh%axes(1), particle(1))
       terms(removed_momentum + 2) = mass*around
       terms(removed_kinetic) = terms(removed_kinetic) + &
-                               0.5_dp*mass*(around/max(particle(1), tiny(1.0_dp)))**2
+                               0.5_dp*mass*(around/max(radius, tiny(1.0_dp)))**2
     end associate
   end function taken_along
 

@@ -9,6 +9,9 @@ module DIM(sgmp_auxmesh)
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_slopes
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_hoop
+#endif
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -67,9 +70,15 @@ contains
         end do
 #ifdef AXISYMMETRIC
         if (kernel_centred(field%kernel)) then
-          call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
-                         field%node(1, gradient), node_rows(field, s, first), stride, &
-                         records(q + 1, point))
+          if (mesh%graded) then
+            call graded_hoop(mesh, graded_row(field, s), first, n, field%hoop(first, 1), &
+                             field%hoop(first, 2), field%node(1, gradient), &
+                             node_rows(field, s, first), stride, records(q + 1, point))
+          else
+            call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
+                           field%node(1, gradient), node_rows(field, s, first), stride, &
+                           records(q + 1, point))
+          end if
         end if
 #endif
       end do
@@ -167,8 +176,12 @@ contains
       point = field%neighbour(0, 0, s) + field%work%first(s) - field%plane_start(plane) + 1
       q = before + 1
       if (gradient > 0) then
-        call fill_gradient(field, mesh%inverse_h, s, field%work%first(s), n, node_swirl(gradient), &
-                           stride, records(q, point))
+        if (mesh%graded) then
+          call fill_graded(field, mesh, s, n, node_swirl(gradient), stride, records(q, point))
+        else
+          call fill_gradient(field, mesh%inverse_h, s, field%work%first(s), n, &
+                             node_swirl(gradient), stride, records(q, point))
+        end if
         q = q + NDIM
       end if
       if (kick) call fill_value(field, s, field%work%first(s), n, node_swirl(node_acceleration), &
@@ -345,6 +358,20 @@ contains
     call fill_slopes(n, inverse_h*0.5_dp**(NDIM - 1), field%node(1, column), &
                      node_rows(field, s, first), stride, records)
   end subroutine fill_gradient
+
+  !> The same of a whole row where cells are unequal.
+  pure subroutine fill_graded(field, mesh, s, n, column, stride, records)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, n, column, stride
+    real(dp), intent(inout) :: records(stride, n)
+    integer :: i, first
+    do i = 1, n, tile
+      first = field%work%first(s) + i - 1
+      call graded_slopes(mesh, graded_row(field, s), first, min(tile, n - i + 1), &
+                         field%node(1, column), node_rows(field, s, first), stride, records(1, i))
+    end do
+  end subroutine fill_graded
 
   !> Differences of the nodes around the centres of a row, along each axis.
   pure subroutine fill_slopes(n, scale, column, b, stride, records)

@@ -20,6 +20,9 @@ module DIM(sgmp_graded_rows)
 #if NDIM > 1
   public :: graded_push, graded_twist_factors, graded_twists
 #endif
+#if NDIM == 2
+  public :: graded_hoop, graded_hoop_force, graded_push_slopes, graded_slopes_across
+#endif
 
   integer, parameter :: tile = 128               !! points of a row that are handled at a time
 
@@ -218,6 +221,79 @@ contains
 #endif
     end do
   end subroutine graded_push
+#endif
+
+#if NDIM == 2
+  !> Hoop strain rates at the centres of a row (sgmp_axis).
+  pure subroutine graded_hoop(mesh, row, first, n, inner, outer, column, b, stride, records)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: row(2), first, n      !! of the centres
+    real(dp), intent(in) :: inner(n), outer(n)   !! weights of the two nodes along z, each
+    real(dp), intent(in) :: column(*)            !! radial velocity
+    integer, intent(in) :: b(NROW), stride       !! b: records of node `first` in the rows
+    real(dp), intent(inout) :: records(stride, n)
+    type(graded_weights_t) :: w
+    integer :: i
+    call graded_points(mesh, row, first, n, w)
+    do i = 1, n
+      records(1, i) = 2.0_dp*mesh%inverse_h*(inner(i)*sum_rows(column, b, i - 1, w%row) + &
+                                             outer(i)*sum_rows(column, b, i, w%row))
+    end do
+  end subroutine graded_hoop
+
+  !> Adds the force of the hoop stress, the transpose, to a row of nodes.
+  pure subroutine graded_hoop_force(mesh, row, first, n, inner, outer, flux, b, f)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: row(2), first, n      !! of the nodes
+    real(dp), intent(in) :: inner(0:n), outer(0:n)  !! weights at the centres around the nodes
+    real(dp), intent(in) :: flux(*)              !! hoop stress times volume, at the centres
+    integer, intent(in) :: b(NROW)               !! records of centre first - 1 in the rows
+    real(dp), intent(inout) :: f(n)
+    type(graded_weights_t) :: w
+    integer :: i
+    call graded_nodes(mesh, row, first, n, w)
+    !$omp simd
+    do i = 1, n
+      f(i) = f(i) - 2.0_dp*mesh%inverse_h*(outer(i - 1)*sum_rows(flux, b, i - 1, w%row) + &
+                                           inner(i)*sum_rows(flux, b, i, w%row))
+    end do
+  end subroutine graded_hoop_force
+
+  !> Derivatives of hoop strain rates across a row of centres, times h^2.
+  pure subroutine graded_slopes_across(mesh, row, first, n, inner, outer, column, b, slopes)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: row(2), first, n      !! of the centres
+    real(dp), intent(in) :: inner(n), outer(n)   !! as for graded_hoop
+    real(dp), intent(in) :: column(*)
+    integer, intent(in) :: b(NROW)               !! records of node `first` in the rows
+    real(dp), intent(inout) :: slopes(n)
+    type(graded_weights_t) :: w
+    integer :: i
+    call graded_points(mesh, row, first, n, w)
+    !$omp simd
+    do i = 1, n
+      slopes(i) = 2.0_dp*w%slow_slope(1, 1)*(inner(i)*step_2(column, b, i - 1, w%slow(:, 2)) + &
+                                             outer(i)*step_2(column, b, i, w%slow(:, 2)))
+    end do
+  end subroutine graded_slopes_across
+
+  !> Adds to the forces on the nodes of a row what acts on these derivatives: the transpose.
+  pure subroutine graded_push_slopes(mesh, row, first, n, inner, outer, b, axial, f)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: row(2), first, n      !! of the nodes
+    real(dp), intent(in) :: inner(0:n), outer(0:n)  !! as for graded_hoop_force
+    integer, intent(in) :: b(NROW)               !! records of centre first - 1 in the rows
+    real(dp), intent(in) :: axial(*)             !! at the centres
+    real(dp), intent(inout) :: f(n)
+    type(graded_weights_t) :: w
+    integer :: i
+    call graded_nodes(mesh, row, first, n, w)
+    !$omp simd
+    do i = 1, n
+      f(i) = f(i) + 2.0_dp*(inner(i)*scaled_2(axial, b, i, w) + &
+                            outer(i - 1)*scaled_2(axial, b, i - 1, w))
+    end do
+  end subroutine graded_push_slopes
 #endif
 
   !> Sum of a column over the rows around a row, with weights.

@@ -70,7 +70,7 @@ EXPECTED = {
                     r"{d}:2:33: error: largest means nothing where all cells are equal", r"^2 error"],
     "graded_ratio": [r"{d}:2:34: error: 'ratio' = 0\.9 is out of range", r"allowed: \[1,1\.5\]",
                      r"{d}:2:46: error: 'largest' = -1 is out of range", r"^2 error"],
-    "graded_rings": [r"{d}:2:38: error: a grid of unequal cells does not go with dimension axisymmetric", r"^1 error"],
+    "graded_rings": [r"{d}:2:38: error: fine_y in an axisymmetric scene", r"write fine_r or fine_z", r"^1 error"],
     "graded_room": [r"{d}:2:46: error: no cells that begin with 0\.5 and grow by at most 1\.1 fill \(6,6\.15\)",
                     r"{d}:2:67: error: cells of 0\.5 do not divide the fine interval \(0,1\.25\) between two walls",
                     r"{d}:2:83: error: the fine interval \(3,2\) ends before it begins", r"^3 error"],

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, a bar that rings and one that is pulled, a
+"""Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, torsion, a bar that rings and one that is pulled, a
 shock, impact beside equal cells; the same bits whatever the threads and ranks, and after a restart; what --check says.
 
 usage: graded.py SGMP SOURCE_DIR SCRATCH_DIR
@@ -84,6 +84,45 @@ material steel elastic density=7.85e-3 young=200e3 poisson=0
 body bar block material=steel lower=0 upper=40 layout=graded ppc=2
 motion bar where="x>39" x="0.02*(1-cos(pi*min(t,0.5)/0.5))"
 output csv at=end fields=stress
+"""
+# Stress that is the same everywhere across rings and along them, in a box.
+RINGS = """
+parameter surfaces = auto
+dimension axisymmetric
+units mm g ms
+grid cell=0.5 r=0:20 z=0:10 fine_r=(3,6),(12,14) fine_z=(4,6) ratio=1.3 largest=3
+wall r+=slip z-=slip z+=slip
+method sgmp surfaces=$surfaces
+time steps=100 cfl=0.5
+material steel elastic density=7.85e-3 young=200e3 poisson=0.3
+body a block material=steel lower=(0,0) upper=(20,10) ppc=2
+initial_stress a xx=-100 yy=-100 zz=-50
+history steps=20
+output csv at=end fields=stress
+"""
+# A rod on a fixed wall turns back and forth about its axis, in the first mode.
+TORSION = """
+dimension axisymmetric swirl=yes
+grid cell=1/16 r=0:open z=0:open fine_r=(0.25,0.5) fine_z=(0.3,0.6) ratio=1.2 largest=1/8
+wall z-=fixed
+time end=3.87 cfl=0.4
+material m elastic density=1 young=1 poisson=0.3 strain=small
+body b cylinder material=m radius=1 axis=(0,1) length=1 centre=(0,0) layout=graded ppc=2
+velocity b spin="1e-4*sin(pi*z/2)"
+history steps=1
+output csv at=end
+"""
+# Rings fly out of the grid along the axis.
+LEAVE = """
+dimension axisymmetric
+grid cell=0.5 r=0:8 z=0:12 fine_r=(2,4) fine_z=(4,6) ratio=1.2 largest=2
+lost remove
+time steps=51 cfl=0.5
+material m elastic density=1 young=1e4 poisson=0
+body a block material=m lower=(1,2) upper=(5,9) ppc=2
+velocity a z=100
+history steps=20
+output csv at=end fields=mass
 """
 # Aluminium runs into a wall with bulk viscosity.
 SHOCK = """
@@ -175,6 +214,47 @@ def rest(report):
             speed = max(abs(row[key]) for row in rows for key in ("velocity_x", "velocity_y"))
             off = max(max(abs(row["stress_xx"] + 100), abs(row["stress_yy"] + 50)) for row in rows)
             report.check(speed < 1e-10 and off < 1e-8, f"rest {stress}: velocity {speed}, stress off by {off}")
+
+
+def rings(report):
+    """The same of rings: stresses rr and tt balance, next to the axis, too."""
+    for surfaces in ("auto", "corrected"):
+        result = run(f"rings_{surfaces}", RINGS, surfaces=surfaces)
+        if report.finished(result, f"rings {surfaces}"):
+            rows = result.table("particles_end.csv")
+            speed = max(abs(row[key]) for row in rows for key in ("velocity_x", "velocity_z"))
+            off = max(max(abs(row["stress_xx"] + 100), abs(row["stress_zz"] + 50)) for row in rows)
+            report.check(speed < 1e-10 and off < 1e-8, f"rings {surfaces}: velocity {speed}, stress off by {off}")
+
+
+def torsion(report):
+    """First mode of a rod's torsion: kinetic energy cos^2(pi c t/(2 L)) of the first, c^2 = G/rho. The moment about the
+    axis is that of a rigid rotation, sum over rings of m w r^2, at the start."""
+    result = run("torsion", TORSION)
+    if not report.finished(result, "torsion"):
+        return
+    rows = result.table("history.csv")
+    rate = math.pi/2*math.sqrt(1/2.6)
+    off = max(abs(row["kinetic_energy"]/rows[0]["kinetic_energy"] - math.cos(rate*row["time"])**2) for row in rows)
+    report.check(off < 0.035, f"torsion: kinetic energy off by {off}")
+    # pi/2 R^4 times the integral of 1e-4 sin(pi z/2); particles' rings have the mean radius of theirs.
+    moment = math.pi/2*1e-4*2/math.pi
+    report.check(abs(rows[0]["angular_momentum"]/moment - 1) < 4e-3, f"torsion: moment {rows[0]['angular_momentum']}")
+    report.check(abs(result["energy.remainder"]) < 1e-12*rows[0]["kinetic_energy"], "torsion: identity of energy")
+
+
+def leave(report):
+    """In the step in which particles leave the grid they take their moments along: the centre of mass that bodies.csv
+    tells is that of the particles which are left."""
+    result = run("leave", LEAVE)
+    if not report.finished(result, "leave"):
+        return
+    rows, told = result.table("particles_end.csv"), result.table("bodies.csv")[-1]
+    report.check(0 < len(rows) < 448, f"leave: {len(rows)} particles of 448 are left")
+    mass = sum(row["mass"] for row in rows)
+    for axis in "xz":
+        centre = sum(row[axis]*row["mass"] for row in rows)/mass
+        report.check(abs(told[axis] - centre) < 1e-9, f"leave: centre {axis} {told[axis]}, of the particles {centre}")
 
 
 def spin(report):
@@ -328,7 +408,7 @@ def told(report):
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, spin, bar, pulled, shock, impact, pressed, seen, told):
+    for check in (flights, rest, rings, torsion, leave, spin, bar, pulled, shock, impact, pressed, seen, told):
         check(report)
     report.end()
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Grids with unequal cells beside equal ones of the smallest side (doc/grids.md): what comes out, and user CPU seconds.
 
-usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate target taylor blast block; H: smallest cell
+usage: compare.py SGMP SCRATCH_DIR [SCENE[:H] …]      scenes: plate disc target taylor blast block; H: smallest cell
 """
 import csv
 import json
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-FINE = re.compile(r" (fine_[xyz]|ratio|largest)=\S+")
+FINE = re.compile(r" (fine_[xyzr]|ratio|largest)=\S+")
 
 
 def run(sgmp, scratch, scene, cell, graded):
@@ -42,14 +42,20 @@ def of_body(folder, name):
     return [row for row in table(folder, "bodies.csv") if row["name"].strip() == name][-1]
 
 
-def plate(folder):
-    """Residual velocity of the ball; radius of a round hole as large as that of whole matter in the plate's middle."""
+def plate(folder, part=0.25):
+    """Residual velocity of the ball; radius of a round hole as large as that of whole matter in the middle of a plate,
+    of which a part is there."""
     rows = [row for row in table(folder, "particles_end.csv") if row["body"] == "2"]
     whole = sum(float(row["mass"]) for row in rows if float(row["damage"]) < 1 and math.hypot(
         float(row["x0"]), float(row["y0"])) < 20)
-    there = math.pi/4*20**2*6*2.77e-3
+    there = part*math.pi*20**2*6*2.77e-3
     return {"residual velocity (m/s)": -float(of_body(folder, "ball")["velocity_z"]),
             "radius of the hole (mm)": 20*math.sqrt(max(0.0, 1 - whole/there))}
+
+
+def disc(folder):
+    """The same of a whole disc."""
+    return plate(folder, part=1)
 
 
 def target(folder):
@@ -89,7 +95,7 @@ def main():
     """All scenes, a table of each."""
     sgmp, scratch = (os.path.abspath(path) for path in sys.argv[1:3])
     os.makedirs(scratch, exist_ok=True)
-    for chosen in sys.argv[3:] or ("plate", "target", "taylor", "blast"):
+    for chosen in sys.argv[3:] or ("plate", "disc", "target", "taylor", "blast"):
         scene, _, cell = chosen.partition(":")
         found = {}
         for graded in (True, False):

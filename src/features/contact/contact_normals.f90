@@ -83,7 +83,8 @@ contains
     real(dp) :: left, right, section(2)
     integer :: dj, dk, base, i, axis
     i = point(1)
-    section = circumference(field%space, axis_radius_filled([i - 1, i]))
+    section = 1.0_dp                       ! what masses of rings grow with
+    if (field%space == space_axisymmetric) section = axis_radius_filled(mesh%axes(1), [i - 1, i])
     gradient = 0.0_dp
     do dk = -merge(1, 0, field%ndim >= 2), 0
       do dj = -merge(1, 0, field%ndim == 3), 0

@@ -17,7 +17,7 @@ module DIM(sgmp_rotation_offsets)
   use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_driven_nodes, only: driven_nodes_hold
   use sgmp_field, only: field_t
-  use sgmp_graded_axis, only: graded_spacing, graded_width
+  use sgmp_graded_axis, only: graded_centre, graded_node, graded_spacing, graded_width
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_rotation_points, only: at_centre, at_force, at_node
@@ -113,20 +113,23 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(out) :: offset(n)
-    real(dp) :: radius, inner, outer
-    integer :: i, last, b(NROW)
+    real(dp) :: inner, outer, next(-1:1), spacing(-1:1)
+    integer :: i, c, last, b(NROW)
     b = centre_rows(field, s, first)
     last = merge(first + n, mesh%upper(1) - 2, mesh%wall(2, 1) == wall_free)
     offset = 0.0_dp
     associate (mass => field%moment(:, field%columns%mass), &
                pair => field%moment(:, field%columns%pairs))
       do i = max(1, 3 - first), min(n, last - first + 1)
-        radius = first + i - 1
-        inner = corner_sum(mass, b, i - 1)/(radius - 0.5_dp)
-        outer = corner_sum(mass, b, i)/(radius + 0.5_dp)
+        c = first + i - 1
+        next = graded_node(mesh%axes(1), [c - 1, c, c + 1])
+        spacing = graded_spacing(mesh%axes(1), [c - 1, c, c + 1])
+        inner = corner_sum(mass, b, i - 1)/graded_centre(mesh%axes(1), c - 1)
+        outer = corner_sum(mass, b, i)/graded_centre(mesh%axes(1), c)
         if (.not. inner + outer > 0.0_dp) cycle
-        offset(i) = (0.5_dp*(outer - inner) + corner_sum(pair, b, i + 1)/(radius + 1.0_dp) &
-                     - corner_sum(pair, b, i - 1)/(radius - 1.0_dp))/(inner + outer)
+        offset(i) = (0.5_dp*spacing(0)*(outer - inner) + &
+                     spacing(1)*corner_sum(pair, b, i + 1)/next(1) - &
+                     spacing(-1)*corner_sum(pair, b, i - 1)/next(-1))/(inner + outer)
       end do
     end associate
   end subroutine ring_offsets

@@ -65,15 +65,16 @@ contains
   end subroutine surface_walls_mirror
 
   !> Sign of the image of a column of differences at a slip wall; about an axis there is behind them
-  !! that of the slope along z of the radial velocity.
+  !! that of the slope along z of the hoop strain.
   pure function column_parity(column, normal, ndim) result(parity)
     integer, intent(in) :: column, normal, ndim
     real(dp) :: parity
     integer :: twist
     logical :: across
     twist = (column - 1)/ndim + 1
-    parity = -1.0_dp
+    parity = merge(1.0_dp, -1.0_dp, normal == 1)
     if (twist > twists(ndim)) return
+    parity = -1.0_dp
     across = mod(column - 1, ndim) + 1 == normal
     if (across .eqv. twist_takes(twist, normal, ndim)) parity = 1.0_dp
   end function column_parity

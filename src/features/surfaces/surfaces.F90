@@ -24,21 +24,21 @@
 !! velocities are read as before.
 !!
 !! About an axis the hoop strain gets at both centres of a pair along z (PR5)
-!!     k_e h (D_c - D_(c+z))/r,     D the slope of the radial velocity along z;
+!!     k_e h (D_c - D_(c+z)),     D the slope along z of what the hoop strain reads;
 !! along r its own correction (sgmp_axis) stands for this, and next to the axis both would be wrong.
 !!
 !! Where cells are unequal (sgmp_graded_axis) differences are over the distances of the nodes, and a
 !! pair's weight has the spacing of its centres as a factor: that is what the B-spline of unequal
 !! cells has between two centres beyond what is linear.
 module DIM(sgmp_surfaces)
-#ifdef AXISYMMETRIC
-  use sgmp_axis, only: axis_radius
-#endif
   use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_columns, only: pair_sums
   use sgmp_field, only: field_t
   use sgmp_graded_axis, only: graded_spacing
   use CARTESIAN(sgmp_graded_rows), only: graded_push, graded_twist_factors, graded_twists
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_push_slopes, graded_slopes_across
+#endif
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_pair_points, only: stage_forces, stage_gains, stage_twists, &
@@ -259,6 +259,11 @@ contains
         field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1)) = t(:n, q)
       end do
     end do
+#ifdef AXISYMMETRIC
+    call graded_slopes_across(mesh, graded_row(field, s), first, n, field%hoop(first, 1), &
+                              field%hoop(first, 2), field%node(1, column), &
+                              node_rows(field, s, first), field%pairs%centre(at, slope))
+#endif
   end subroutine twist_graded
 
   !> Forces on the differences of a row, times the factors that these have.
@@ -290,7 +295,8 @@ contains
                  field%pairs%centre(at, a))
     end do
 #ifdef AXISYMMETRIC
-    call slopes(n, b, field%node(1, column), field%pairs%centre(at, slope))
+    call slopes(n, b, field%hoop(first, 1), field%hoop(first, 2), field%node(1, column), &
+                field%pairs%centre(at, slope))
 #endif
   end subroutine twist_row
 
@@ -314,15 +320,15 @@ contains
   end subroutine twist
 
 #ifdef AXISYMMETRIC
-  !> Slopes of the radial velocity along z.
-  pure subroutine slopes(n, b, v, slope)
+  !> Slopes of the hoop strain along z, of the radial velocity (sgmp_axis).
+  pure subroutine slopes(n, b, inner, outer, v, slope)
     integer, intent(in) :: n, b(NROW)
-    real(dp), intent(in) :: v(*)
+    real(dp), intent(in) :: inner(n), outer(n), v(*)
     real(dp), intent(inout) :: slope(n)
     integer :: i
     !$omp simd
     do i = 1, n
-      slope(i) = 0.5_dp*(corner_slope_2(v, b, i) + corner_slope_2(v, b, i - 1))
+      slope(i) = 2.0_dp*(outer(i)*corner_slope_2(v, b, i) + inner(i)*corner_slope_2(v, b, i - 1))
     end do
   end subroutine slopes
 #endif
@@ -426,7 +432,7 @@ contains
         c = r(MIDDLE) + i
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
-        field%pairs%gain(c, NGRAD) = inverse_h/axis_radius(first + i)* &
+        field%pairs%gain(c, NGRAD) = inverse_h* &
           (k(y, 2)*(d(c, slope) - d(y, slope)) + k(c, 2)*(d(yb, slope) - d(c, slope)))
       end do
     end associate
@@ -536,7 +542,7 @@ contains
         c = r(MIDDLE) + i
         y = r(MIDDLE + 1) + i
         yb = r(MIDDLE - 1) + i
-        field%pairs%centre(c, slope) = inverse_h/axis_radius(first + i)* &
+        field%pairs%centre(c, slope) = inverse_h* &
           (k(y, 2)*(stress(c) + stress(y)) - k(c, 2)*(stress(yb) + stress(c)))
       end do
     end associate
@@ -562,7 +568,13 @@ contains
       end if
     end do
 #ifdef AXISYMMETRIC
-    call push_slopes(n, b, field%pairs%centre(:, slope), f(:, 1))
+    if (mesh%graded) then
+      call graded_push_slopes(mesh, graded_row(field, s), first, n, field%hoop(first - 1, 1), &
+                              field%hoop(first - 1, 2), b, field%pairs%centre(:, slope), f(:, 1))
+    else
+      call push_slopes(n, field%hoop(first - 1, 1), field%hoop(first - 1, 2), b, &
+                       field%pairs%centre(:, slope), f(:, 1))
+    end if
 #endif
   end subroutine surfaces_push
 
@@ -610,14 +622,16 @@ contains
 
 #ifdef AXISYMMETRIC
   !> The radial force of the hoop stress.
-  pure subroutine push_slopes(n, b, axial, f)
+  pure subroutine push_slopes(n, inner, outer, b, axial, f)
     integer, intent(in) :: n, b(NROW)
+    real(dp), intent(in) :: inner(0:n), outer(0:n)  !! weights at the centres around the nodes
     real(dp), intent(in) :: axial(*)
     real(dp), intent(inout) :: f(n)
     integer :: i
     !$omp simd
     do i = 1, n
-      f(i) = f(i) + 0.5_dp*(corner_slope_2(axial, b, i) + corner_slope_2(axial, b, i - 1))
+      f(i) = f(i) + 2.0_dp*(inner(i)*corner_slope_2(axial, b, i) + &
+                            outer(i - 1)*corner_slope_2(axial, b, i - 1))
     end do
   end subroutine push_slopes
 #endif

@@ -7,8 +7,11 @@ module sgmp_nodes_swirl
   use sgmp_columns, only: node_acceleration, node_gyration, node_inverse_mass, node_swirl, &
                           node_velocity
   use sgmp_field, only: field_t
+  use sgmp_graded_rows_2d, only: graded_divergence
   use sgmp_kinds, only: dp, lanes
+  use sgmp_mesh, only: mesh_t
   use sgmp_rotation_rows_2d, only: add_differences, centre_rows, sums_row, tile
+  use sgmp_rows, only: key_k
   use sgmp_sums, only: nodes_external, nodes_mass_aa, nodes_mass_av
   implicit none
   private
@@ -32,9 +35,9 @@ contains
   end subroutine nodes_swirl_push
 
   !> Acceleration of the rate, and the rate after a step dt; both zero where the node is ignored.
-  pure subroutine nodes_swirl_solve(field, inverse_h, s, first, n, m, dt)
+  pure subroutine nodes_swirl_solve(field, mesh, s, first, n, m, dt)
     type(field_t), intent(inout) :: field        !! its nodes have their inverse masses
-    real(dp), intent(in) :: inverse_h
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: m(n)                 !! masses
     real(dp), intent(in) :: dt                   !! 0: the rate alone
@@ -44,9 +47,14 @@ contains
     call sums_row(n, field%moment(1, field%columns%swirl), b, moment)
     call sums_row(n, field%moment(1, field%columns%swirl + 1), b, inertia)
     torque = 0.0_dp
-    if (dt > 0.0_dp) then
+    if (dt > 0.0_dp .and. mesh%graded) then
+      axis = field%columns%torque
+      call graded_divergence(mesh, [key_k(field%work%key(s)), 0], first, n, field%moment(1, axis), &
+                             field%moment(1, axis + 1), b, torque)
+      torque(:n) = torque(:n)/mean
+    else if (dt > 0.0_dp) then
       do axis = 1, 2
-        call add_differences(n, 2.0_dp*inverse_h, axis, &
+        call add_differences(n, 2.0_dp*mesh%inverse_h, axis, &
                              field%moment(1, field%columns%torque + axis - 1), b, torque)
       end do
     end if
