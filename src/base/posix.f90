@@ -87,9 +87,9 @@ module sgmp_posix
   end interface
 
   !> Turns for which a thread looks whether the others have come before it gives its core away:
-  !! about 50 microseconds. The library's own 300000 take the core from who is waited for where
+  !! about 100 microseconds. The library's own 300000 take the core from who is waited for where
   !! there is other work (doc/performance.md).
-  character(*), parameter :: polite_turns = '1000'
+  character(*), parameter :: polite_turns = '2000'
 
 contains
 

@@ -212,10 +212,7 @@ module sgmp_combinations
               'remove that card, or the fine intervals'), &
     refusal_t('graded', 'crack-width toughness average', '', &
               'a crack has the width of one cell, and cells are unequal', &
-              'remove it from the card failure, or the fine intervals'), &
-    refusal_t('graded', 'erode-step', '', &
-              'the step of a particle would be that of the smallest cell', &
-              'remove time_step')]
+              'remove it from the card failure, or the fine intervals')]
 
   ! Corrected strains of rings have forces along the axis that are not those which the masses next
   ! to it want (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.

@@ -15,6 +15,9 @@ module sgmp_field_nodes
   public :: field_node_planes, field_normalise, field_relax, field_remap, field_solve, &
             field_velocity
 
+  !> Points of a field whose re-map is not worth a meeting of threads.
+  integer, parameter :: few_points = 8192
+
 contains
 
   !> Planes of nodes that this rank's particles read; p2 < p1: none.
@@ -109,7 +112,8 @@ contains
     type(partition_t), intent(in) :: partition
     integer :: p, p1, p2
     call field_node_planes(field, partition, p1, p2)
-    !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+    !$omp parallel do schedule(static) num_threads(team%threads) &
+    !$omp& if(team%threads > 1 .and. field%points > few_points) &
     !$omp& default(none) shared(field, mesh, method, team, p1, p2) private(p)
     do p = p1, p2
       call team%passes%remap(field, mesh, p, method)

@@ -18,6 +18,7 @@ module sgmp_field_sweep
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_plan, only: plan_t
   use sgmp_ranks, only: ranks_t
+  use sgmp_pace, only: pace_note
   use sgmp_sums, only: sweep_sums
   use sgmp_tally, only: tally_add
   use sgmp_team, only: slab_empty, stencil_layers, team_slabs, team_t
@@ -43,6 +44,7 @@ contains
     type(timers_t), intent(inout) :: timers
     real(dp), allocatable :: sums(:, :, :)
     type(plan_t) :: own
+    real(dp) :: spent(team%threads)
     integer :: t, s, b, p
     logical :: sent
     own = plan
@@ -51,15 +53,17 @@ contains
     allocate (sums(sweep_sums, field%planes, size(bodies)), source=0.0_dp)
     ! One region for both: each that is opened costs a meeting of the threads more.
     !$omp parallel num_threads(team%threads) if(team%threads > 1) default(none) private(t, s) &
-    !$omp& shared(own, f, mesh, field, bodies, team, ranks, timers, sums, sent)
+    !$omp& shared(own, f, mesh, field, bodies, team, ranks, timers, sums, sent, spent)
     !$omp do schedule(static, 1)
     do t = 1, team%threads
+      spent(t) = wall_time()
       if (t == 1) then
         call sweep_slab(own, f, 1, mesh, field, bodies, team, sums)
         call sweep_slab(own, f, team_slabs(team%threads), mesh, field, bodies, team, sums)
         if (sent) call send_sums(own, f, field, team, ranks, timers)  ! this thread may send
       end if
       call sweep_slab(own, f, t + 1, mesh, field, bodies, team, sums)
+      spent(t) = wall_time() - spent(t)
     end do
     !$omp end do
     !$omp do schedule(static, 1)
@@ -68,6 +72,7 @@ contains
     end do
     !$omp end do nowait
     !$omp end parallel
+    if (team%threads > 1) call pace_note(team%paces(f), spent)
     if (ranks%partition%ranks > 1) then
       if (.not. sent) call send_sums(own, f, field, team, ranks, timers)
       call join_ranks(own, f, field, team, ranks, findings, timers)

@@ -5,8 +5,9 @@ module sgmp_team
   use sgmp_field, only: field_t
   use sgmp_halo, only: halo_own_planes
   use sgmp_kernels, only: stencil_width
-  use sgmp_kinds, only: i8, lanes
+  use sgmp_kinds, only: dp, i8, lanes
   use sgmp_movers, only: movers_reset, movers_t
+  use sgmp_pace, only: pace_cost, pace_learn, pace_share, pace_t
   use sgmp_partition, only: partition_t
   use sgmp_passes, only: passes_of, passes_t
   use sgmp_plan, only: workspace_t
@@ -20,6 +21,7 @@ module sgmp_team
     integer :: threads = 1
     type(passes_t) :: passes                 !! what they do to a plane
     integer, allocatable :: slabs(:, :)      !! (slabs + 1, fields) first planes, see team_divide
+    type(pace_t), allocatable :: paces(:)    !! (fields)
     type(workspace_t), allocatable :: workspaces(:, :)  !! (slabs, fields)
     type(movers_t), allocatable :: movers(:, :)  !! (bodies, slabs + 1) who left their bins, and
                                                  !! who came from other ranks
@@ -47,7 +49,7 @@ contains
     team%threads = threads
     team%passes = passes_of(space)
     allocate (team%slabs(team_slabs(threads) + 1, fields))
-    allocate (team%workspaces(team_slabs(threads), fields))
+    allocate (team%workspaces(team_slabs(threads), fields), team%paces(fields))
     allocate (team%movers(bodies, team_slabs(threads) + 1))
     do s = 1, size(team%movers, 2)
       do b = 1, bodies  ! empty lists also for bodies that no sweep ever visits
@@ -56,21 +58,23 @@ contains
     end do
   end subroutine team_make
 
-  !> Divides the planes of field f into slabs: the threads' loads, in chunks, are about the same, of
-  !! which the borders belong to the first thread.
+  !> Divides the planes of field f into slabs: the threads' loads, in chunks times what these cost,
+  !! are about the same, of which the borders belong to the first thread.
   pure subroutine team_divide(team, f, field, bodies, partition)
     type(team_t), intent(inout) :: team
     integer, intent(in) :: f
     type(field_t), intent(in) :: field
     type(body_t), intent(in) :: bodies(:)
     type(partition_t), intent(in) :: partition
-    integer(i8), allocatable :: load(:)
-    integer(i8) :: before, total
+    real(dp), allocatable :: chunks(:), load(:)
+    real(dp) :: before, total
     integer :: p, t, p1, p2, least, border(2)
     call halo_own_planes(field, partition, p1, p2)
-    allocate (load(p1:p2))
+    allocate (chunks(p1:p2), load(p1:p2))
+    call pace_learn(team%paces(f))
     do p = p1, p2
-      load(p) = plane_load(bodies, f, p)
+      chunks(p) = plane_load(bodies, f, p)
+      load(p) = chunks(p)*pace_cost(team%paces(f), field%plane_k(p))
     end do
     total = sum(load)
     least = max(1, stencil_layers(field) - 1)
@@ -79,7 +83,7 @@ contains
     before = sum(load(:p1 + border(1) - 1)) + sum(load(p2 - border(2) + 1:))
     if (before*team%threads > total) then
       border = 0
-      before = 0_i8
+      before = 0.0_dp
     end if
     associate (first => team%slabs(:, f))
       first = p2 - border(2) + 1
@@ -88,13 +92,15 @@ contains
       first(size(first)) = p2 + 1
       t = 1
       do p = p1 + border(1), p2 - border(2)
-        if (t < team%threads .and. before*team%threads >= total*t .and. &
+        if (t < team%threads .and. (before + 0.5_dp*load(p))*team%threads >= total*t .and. &
             p - first(t + 1) >= least .and. p2 - border(2) - p + 1 >= least) then
           t = t + 1
           first(t + 1) = p
         end if
         before = before + load(p)
       end do
+      call pace_share(team%paces(f), [(field%plane_k(min(first(t + 1), p2)), t=1, team%threads)], &
+                      [(sum(chunks(first(t + 1):first(t + 2) - 1)), t=1, team%threads)])
     end associate
   end subroutine team_divide
 

@@ -28,7 +28,7 @@ module DIM(sgmp_chunk)
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
                              loads_on_faces, loads_on_mass, loads_spring, loads_strain, loads_twist
-  use sgmp_mesh, only: mesh_sides, mesh_t
+  use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
   use sgmp_plan, only: plan_t, workspace_t
@@ -40,8 +40,8 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
                        sum_moment, sum_momentum, sum_viscous, sweep_sums
+  use sgmp_graded_axis, only: graded_between
 #ifdef AXISYMMETRIC
-  use sgmp_graded_axis, only: graded_place
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
@@ -484,13 +484,21 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp) :: side(lanes)
-    integer :: l
     side = mesh%h
-    if (.not. mesh%graded) return
-    do l = 1, lanes
-      side(l) = mesh%h*maxval(mesh_sides(mesh, motion(l, :NDIM)))
-    end do
+    if (mesh%graded) side = mesh%h*maxval(spacings(mesh, motion), dim=2)
   end function sides
+
+  !> Spacings of the centres between which particles are, along the axes (smallest cell).
+  pure function spacings(mesh, motion) result(spacing)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp) :: spacing(lanes, NDIM)
+    real(dp) :: lower(lanes), place(lanes)
+    integer :: d
+    do d = 1, NDIM
+      call graded_between(mesh%axes(d), lanes, motion(1, d), spacing(1, d), lower, place)
+    end do
+  end function spacings
 
   !> Sides of cells by which matter contracts, in the smallest: h tr(D) of the bulk viscosity is
   !! the sum of h_d D_dd where sides h_d differ by axis, and this is the side h that gives it
@@ -499,18 +507,23 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), gradient(lanes, NGRAD)
     real(dp) :: side(lanes)
-    real(dp) :: spacing(NDIM), along(NDIM), trace
+    real(dp) :: spacing(lanes, NDIM), trace, way, least, most
     integer :: l, d
+    spacing = spacings(mesh, motion)
+    !$omp simd simdlen(8) private(d, trace, way, least, most)
     do l = 1, lanes
-      spacing = mesh_sides(mesh, motion(l, :NDIM))
+      trace = 0.0_dp
+      way = 0.0_dp
+      least = spacing(l, 1)
+      most = spacing(l, 1)
       do d = 1, NDIM
-        along(d) = gradient(l, 1 + (d - 1)*(NDIM + 1))
+        trace = trace + gradient(l, 1 + (d - 1)*(NDIM + 1))
+        way = way + spacing(l, d)*gradient(l, 1 + (d - 1)*(NDIM + 1))
+        least = min(least, spacing(l, d))
+        most = max(most, spacing(l, d))
       end do
-      trace = sum(along)
-      side(l) = 1.0_dp
-      if (trace < 0.0_dp) then
-        side(l) = min(max(dot_product(spacing, along)/trace, minval(spacing)), maxval(spacing))
-      end if
+      way = way/merge(trace, -1.0_dp, trace < 0.0_dp)
+      side(l) = merge(min(max(way, least), most), 1.0_dp, trace < 0.0_dp)
     end do
   end function contraction_sides
 
@@ -829,8 +842,11 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp) :: radius(lanes)
+    real(dp), dimension(lanes) :: spacing, lower, place
     radius = motion(:, 1)
-    if (mesh%graded) radius = graded_place(mesh%axes(1), motion(:, 1))
+    if (.not. mesh%axes(1)%graded) return
+    call graded_between(mesh%axes(1), lanes, motion, spacing, lower, place)
+    radius = place + (radius - lower)*spacing
   end function radii
 
   !> Hoop strain rate of a chunk where particles read the nodes (MPM, GIMP): v_r/r.

@@ -3,7 +3,8 @@
 !> The drift of a chunk where cells are unequal (sgmp_graded_axis). Apart from sgmp_chunk, whose
 !! code for equal cells is then what it would be without.
 module DIM(sgmp_drift_graded)
-  use sgmp_graded_axis, only: graded_advance, graded_centre, graded_place, graded_spacing
+  use sgmp_graded_axis, only: graded_advance, graded_between, graded_centre, graded_place, &
+                              graded_spacing
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total
@@ -26,7 +27,8 @@ contains
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
-    real(dp) :: before(lanes), place(lanes), spacing, inverse, start, left
+    real(dp), dimension(lanes) :: before, place, sides, lower, base, part
+    real(dp) :: spacing, inverse, start, left
     integer :: l, d, c
     left = 0.0_dp
     do d = 1, NDIM
@@ -51,8 +53,20 @@ contains
           xi(:, d) = motion(:, d) - origin(d)
         end if
       else
-        motion(:, d) = graded_advance(mesh%axes(d), before, dt*velocity(:, d))
-        place = graded_place(mesh%axes(d), motion(:, d))
+        call graded_between(mesh%axes(d), lanes, before, sides, lower, base)
+        !$omp simd simdlen(8)
+        do l = 1, lanes
+          part(l) = (before(l) - lower(l)) + dt*velocity(l, d)/sides(l)
+          motion(l, d) = lower(l) + part(l)
+          place(l) = base(l) + (motion(l, d) - lower(l))*sides(l)
+        end do
+        if (.not. all(abs(part - 0.5_dp) < 0.5_dp)) then
+          do l = 1, lanes
+            if (abs(part(l) - 0.5_dp) < 0.5_dp) cycle
+            motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
+            place(l) = graded_place(mesh%axes(d), motion(l, d))
+          end do
+        end if
         xi(:, d) = motion(:, d) - origin(d)
       end if
       lane_sums(:, sum_moment + d - 1) = lane_sums(:, sum_moment + d - 1) + &

@@ -129,13 +129,21 @@ contains
     real(dp), intent(inout) :: volumes(n)
     real(dp) :: across
     integer :: i
-    across = 1.0_dp
-    if (NDIM > 1) across = graded_width(mesh%axes(NDIM), k)
-    if (NDIM > 2) across = across*graded_width(mesh%axes(2), j)
+    across = section_across(mesh, j, k)
     do i = 1, n
       volumes(i) = volumes(i)*(across*graded_width(mesh%axes(1), first + i - 1))
     end do
   end subroutine grade_volumes
+
+  !> Section of the cells of a row across it (smallest cell).
+  pure function section_across(mesh, j, k) result(across)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: j, k
+    real(dp) :: across
+    across = 1.0_dp
+    if (NDIM > 1) across = graded_width(mesh%axes(NDIM), k)
+    if (NDIM > 2) across = across*graded_width(mesh%axes(2), j)
+  end function section_across
 
   !> What lies behind walls across a row counts as filled.
   pure subroutine fill_behind(mesh, first, n, cell, least)
@@ -159,24 +167,27 @@ contains
     integer, intent(in) :: s, first, n
     real(dp), intent(in) :: cell
     real(dp), intent(out) :: least(0:tile + 1)
-    real(dp) :: one(0:tile + 1)
+    real(dp) :: one(0:tile + 1), across       !! sections of unequal cells, times radii
     integer :: dj, dk, i, b, j, k
     j = key_j(field%work%key(s))
     k = key_k(field%work%key(s))
     least = cell
+    if (mesh%graded) then
+      one(:n + 1) = graded_width(mesh%axes(1), [(first + i - 1, i=0, n + 1)])
+#ifdef AXISYMMETRIC
+      one(:n + 1) = one(:n + 1)*axis_radius(mesh%axes(1), [(first + i - 1, i=0, n + 1)])
+#endif
+    end if
     do dk = merge(-1, 0, NDIM > 1), merge(1, 0, NDIM > 1)
       do dj = merge(-1, 0, NDIM > 2), merge(1, 0, NDIM > 2)
         if (NDIM > 1 .and. behind_wall(mesh, NDIM, k + dk)) cycle
         if (NDIM > 2 .and. behind_wall(mesh, 2, j + dj)) cycle
         b = field%neighbour(dj, dk, s) + first - 1
         if (mesh%graded) then
-          one(:n + 1) = 1.0_dp
-#ifdef AXISYMMETRIC
-          one(:n + 1) = axis_radius(mesh%axes(1), [(first + i - 1, i=0, n + 1)])
-#endif
-          call grade_volumes(mesh, j + dj, k + dk, first - 1, n + 2, one)
+          across = section_across(mesh, j + dj, k + dk)
+          !$omp simd
           do i = 0, n + 1
-            least(i) = min(least(i), field%moment(b + i, field%columns%volume)/one(i))
+            least(i) = min(least(i), field%moment(b + i, field%columns%volume)/(across*one(i)))
           end do
           cycle
         end if

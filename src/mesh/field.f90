@@ -161,7 +161,8 @@ contains
   subroutine field_clear(field)
     type(field_t), intent(inout) :: field
     integer :: p, first, last
-    !$omp parallel do schedule(static) default(none) shared(field) private(p, first, last)
+    !$omp parallel do schedule(static) if(field%points > few_points) default(none) shared(field) &
+    !$omp& private(p, first, last)
     do p = 1, field%planes
       first = field%plane_start(p)
       last = field%plane_start(p + 1) - 1

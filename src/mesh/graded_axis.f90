@@ -15,7 +15,7 @@ module sgmp_graded_axis
   implicit none
   private
   public :: graded_axis_t, graded_make
-  public :: graded_advance, graded_centre, graded_coordinate, graded_node, graded_place, &
+  public :: graded_advance, graded_between, graded_centre, graded_coordinate, graded_node, graded_place, &
             graded_spacing, graded_tables, graded_width
 
   !> Tables of one axis; without them cells are equal.
@@ -26,6 +26,7 @@ module sgmp_graded_axis
     logical :: walls(2) = .false.        !! there is a wall, or the axis of symmetry
     real(dp), allocatable :: spacing(:)  !! (first:last) H_I
     real(dp), allocatable :: centre(:)   !! (first - 1:last) places of centres from the origin
+    real(dp), allocatable :: width(:)    !! (first - 1:last) h_c
     real(dp), allocatable :: slope(:)    !! (first - 1:last) 1/h_c
     real(dp), allocatable :: low(:)      !! (first - 1:last) weight of the lower node in what is
                                          !! linear between the two at the centre
@@ -47,8 +48,8 @@ contains
     axis%first = first
     axis%last = last
     axis%walls = walls
-    allocate (axis%spacing(first:last), axis%centre(first - 1:last), axis%slope(first - 1:last), &
-              axis%low(first - 1:last))
+    allocate (axis%spacing(first:last), axis%centre(first - 1:last), axis%width(first - 1:last), &
+              axis%slope(first - 1:last), axis%low(first - 1:last))
     axis%spacing(first) = sides(first)
     axis%spacing(last) = sides(last - 1)
     do i = first + 1, last - 1
@@ -65,8 +66,14 @@ contains
     do i = min(max(0, first), last - 1) - 1, first - 1, -1
       axis%centre(i) = axis%centre(i + 1) - axis%spacing(i + 1)
     end do
+    axis%width(first) = 0.5_dp*(axis%spacing(first) + axis%spacing(first + 1))
+    axis%width(first - 1) = merge(axis%width(first), axis%spacing(first), walls(1))
+    do i = first + 1, last - 1
+      axis%width(i) = 0.5_dp*(axis%spacing(i) + axis%spacing(i + 1))
+    end do
+    axis%width(last) = merge(axis%width(last - 1), axis%spacing(last), walls(2))
     do i = first - 1, last
-      axis%slope(i) = 1.0_dp/graded_width(axis, i)
+      axis%slope(i) = 1.0_dp/axis%width(i)
       axis%low(i) = 0.5_dp*graded_spacing(axis, i + 1)*axis%slope(i)
     end do
     if (walls(1)) axis%low(first - 1) = 1.0_dp - axis%low(first)
@@ -87,14 +94,8 @@ contains
     type(graded_axis_t), intent(in) :: axis
     integer, intent(in) :: centre
     real(dp) :: width
-    integer :: c
     width = 1.0_dp
-    if (.not. axis%graded) return
-    c = centre
-    if (axis%walls(1)) c = max(c, axis%first)
-    if (axis%walls(2)) c = min(c, axis%last - 1)
-    width = 0.5_dp*(axis%spacing(min(max(c, axis%first), axis%last)) + &
-                    axis%spacing(min(max(c + 1, axis%first), axis%last)))
+    if (axis%graded) width = axis%width(min(max(centre, axis%first - 1), axis%last))
   end function graded_width
 
   !> Place of a centre, from the origin.
@@ -131,6 +132,31 @@ contains
     c = table_centre(axis, x)
     place = axis%centre(c) + (x - (c + 0.5_dp))*graded_spacing(axis, c + 1)
   end function graded_place
+
+  !> What some coordinates lie between: the spacing of the centres around each, the coordinate of the
+  !! lower of them and its place from the origin.
+  pure subroutine graded_between(axis, n, x, spacing, lower, place)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: n
+    real(dp), intent(in) :: x(n)
+    real(dp), intent(out) :: spacing(n), lower(n), place(n)
+    integer :: i, c
+    if (.not. axis%graded) then
+      do i = 1, n
+        lower(i) = floor(x(i) - 0.5_dp) + 0.5_dp
+      end do
+      spacing = 1.0_dp
+      place = lower
+      return
+    end if
+    do i = 1, n
+      c = table_centre(axis, x(i))
+      spacing(i) = axis%spacing(min(c + 1, axis%last))
+      if (c < axis%first) spacing(i) = axis%spacing(axis%first)
+      lower(i) = c + 0.5_dp
+      place(i) = axis%centre(c)
+    end do
+  end subroutine graded_between
 
   !> Coordinate of a place.
   elemental function graded_coordinate(axis, place) result(x)

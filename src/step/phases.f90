@@ -37,6 +37,9 @@ module sgmp_phases
             phase_relax, phase_remap, phase_rotation, phase_solve, phase_surfaces_strain, &
             phase_surfaces_weigh, phase_swap_nodes, phase_sweep, phase_velocity
 
+  !> Points of a field whose walls are not worth a meeting of threads.
+  integer, parameter :: few_points = 32768
+
 contains
 
   !> Lays out fields for the cells of their bodies' bins and divides the planes among the threads.
@@ -110,7 +113,7 @@ contains
           call walls_fold(fields(f), mesh, axis, 1, fields(f)%planes, own%first_column, &
                           own%last_column)
         else
-          !$omp parallel do num_threads(threads) if(threads > 1) &
+          !$omp parallel do num_threads(threads) if(threads > 1 .and. fields(f)%points > few_points) &
           !$omp& default(none) shared(mesh, fields, own, f, axis, threads) private(t)
           do t = 1, threads
             call walls_fold(fields(f), mesh, axis, 1 + share(fields(f)%planes, threads, t - 1), &
@@ -147,7 +150,7 @@ contains
       if (axis == mesh%ndim) then
         call walls_mirror(field, mesh, axis, 1, field%planes, columns, kinds)
       else
-        !$omp parallel do num_threads(threads) if(threads > 1) &
+        !$omp parallel do num_threads(threads) if(threads > 1 .and. field%points > few_points) &
         !$omp& default(none) shared(mesh, field, axis, columns, kinds, threads) private(t)
         do t = 1, threads
           call walls_mirror(field, mesh, axis, 1 + share(field%planes, threads, t - 1), &

@@ -16,6 +16,7 @@ module sgmp_rebin_phases
   use sgmp_motion, only: motion_mass, motion_velocity
   use sgmp_movers, only: movers_read, movers_reset, movers_t, movers_write
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
+  use sgmp_pace, only: pace_due
   use sgmp_parallel, only: parallel_any, parallel_collect
   use sgmp_particles, only: bin_coordinates, particles_t
   use sgmp_partition, only: partition_t
@@ -31,7 +32,7 @@ module sgmp_rebin_phases
                        removed_count, removed_internal, removed_kinetic, removed_mass, &
                        removed_moment, removed_momentum, removed_sums, sweep_sums
   use sgmp_tally, only: tally_add
-  use sgmp_team, only: team_t
+  use sgmp_team, only: team_divide, team_t
   use sgmp_text, only: integer_text, real_text
   use sgmp_timers, only: phase_halo, timers_move, timers_t, wall_time
   implicit none
@@ -85,6 +86,10 @@ contains
       if (any(changed)) then
         call phase_layout(mesh, fields, bodies, contact, team, ranks%partition, changed)
       end if
+      do b = 1, size(fields)
+        if (changed(b) .or. .not. pace_due(team%paces(b))) cycle
+        call team_divide(team, b, fields(b), bodies, ranks%partition)
+      end do
       do b = 1, size(bodies)
         if (all(team%movers(b, :)%n == 0 .and. team%movers(b, :)%freed == 0)) cycle
         call settle_movers(plan, mesh, fields(bodies(b)%field), bodies(b), team, &

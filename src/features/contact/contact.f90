@@ -60,6 +60,9 @@ module sgmp_contact
       !! parts of the strain that come from velocities before and after the kick
   end type contact_step_t
 
+  !> Nodes that fields share and whose sums are not worth a meeting of threads.
+  integer, parameter :: few_nodes = 1024
+
 contains
 
   !> Whether two fields are a pair that may touch.
@@ -107,7 +110,8 @@ contains
     if (contact%self%fresh) call self_decide(contact%self, mesh%ndim, bodies, contact%pairs, &
                                              contact%shared)
     contact%self%fresh = .false.
-    !$omp parallel do schedule(static) num_threads(threads) if(threads > 1) &
+    !$omp parallel do schedule(static) num_threads(threads) &
+    !$omp& if(threads > 1 .and. contact%shared%nodes > few_nodes) &
     !$omp& default(none) shared(contact, fields, cutoff) private(n)
     do n = 1, contact%shared%nodes
       call shared_meet(contact%shared, n, fields, cutoff)

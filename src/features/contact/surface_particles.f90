@@ -45,6 +45,8 @@ module sgmp_surface_particles
       !! mass and half-sizes
   end type surface_t
 
+  integer, parameter :: few = 2048             !! bins that are not worth a meeting of threads
+
 contains
 
   !> Lists the bins of a body that have cells in a set of rows; no particles yet.
@@ -134,7 +136,7 @@ contains
     integer, intent(in) :: threads
     integer :: n
     if (surface%bins == 0 .or. (surface%counted .and. .not. moved)) return
-    !$omp parallel do num_threads(threads) if(threads > 1) default(none) &
+    !$omp parallel do num_threads(threads) if(threads > 1 .and. surface%bins > few) default(none) &
     !$omp& shared(surface, particles, column) private(n)
     do n = surface%own(1), surface%own(2)
       surface%count(n) = bin_count(particles, surface%bin(n), column)
@@ -152,7 +154,7 @@ contains
     integer :: n
     if (surface%bins == 0) return
     call make_places(surface)
-    !$omp parallel do num_threads(threads) if(threads > 1) default(none) &
+    !$omp parallel do num_threads(threads) if(threads > 1 .and. surface%bins > few) default(none) &
     !$omp& shared(surface, particles, column) private(n)
     do n = 1, surface%bins
       if (surface%count(n) == 0) cycle
