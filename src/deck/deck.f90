@@ -44,6 +44,7 @@ contains
     call read_file(path, settings, draft)
     scene = draft%scene
     errors = draft%errors
+    scene%warnings = errors%warning_lines()
   end subroutine deck_read
 
   !> Statements, then cards, then the scene.

@@ -3,6 +3,7 @@
 module sgmp_deck_errors
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sgmp_errors, only: error_t, exit_deck
+  use sgmp_spelling, only: string_t
   implicit none
   private
   public :: deck_errors_t, deck_error_t, position_t
@@ -33,6 +34,7 @@ module sgmp_deck_errors
     procedure :: warn => errors_warn
     procedure :: count => errors_count
     procedure :: warnings => errors_warnings
+    procedure :: warning_lines => errors_warning_lines
     procedure :: print => errors_print
     procedure :: first => errors_first
   end type deck_errors_t
@@ -99,6 +101,20 @@ contains
     n = 0
     if (allocated(self%entries)) n = count(self%entries%warning)
   end function errors_warnings
+
+  !> Each warning in one line: place and message.
+  function errors_warning_lines(self) result(lines)
+    class(deck_errors_t), intent(in) :: self
+    type(string_t), allocatable :: lines(:)
+    integer :: i, n
+    allocate (lines(self%warnings()))
+    n = 0
+    do i = 1, merge(size(self%entries), 0, size(lines) > 0)
+      if (.not. self%entries(i)%warning) cycle
+      n = n + 1
+      lines(n)%text = self%entries(i)%position%text()//': '//self%entries(i)%message
+    end do
+  end function errors_warning_lines
 
   !> The first error as a value for callers that report only one; not allocated if there is none.
   subroutine errors_first(self, error)

@@ -20,6 +20,7 @@ module sgmp_scene
   use sgmp_particle_file, only: material_choice_t
   use sgmp_shapes, only: shape_t
   use sgmp_space, only: space_axisymmetric
+  use sgmp_spelling, only: string_t
   use sgmp_turn, only: turn_t
   use sgmp_update, only: update_musl
   use sgmp_voigt, only: voigt_names
@@ -291,6 +292,7 @@ module sgmp_scene
     character(:), allocatable :: file             !! the deck's path as given
     character(:), allocatable :: resolved         !! echo of the complete resolved deck
     type(statement_text_t), allocatable :: fixed(:)  !! of it what a restart may not change
+    type(string_t), allocatable :: warnings(:)    !! of the deck, a line each
     character(8) :: units(3) = ''                 !! length, mass, time; empty: not declared
     integer :: dimension = 3                      !! axes of the grid
     logical :: axisymmetric = .false.             !! they are r and z

@@ -54,6 +54,7 @@ module sgmp_run_log
     procedure :: open => log_open
     procedure :: line => log_line
     procedure :: warning => log_warning
+    procedure :: note_warning => log_note_warning
     procedure :: step_row => log_step_row
     procedure :: progress => log_progress
     procedure :: phase_table => log_phase_table
@@ -112,6 +113,15 @@ contains
     write (error_unit, '(a)') 'warning: '//text
     flush (error_unit)
   end subroutine log_warning
+
+  !> Notes a warning that the terminal has seen already.
+  subroutine log_note_warning(self, text)
+    class(log_t), intent(inout) :: self
+    character(*), intent(in) :: text
+    if (.not. self%opened) return
+    self%warnings = [character(warning_length) :: self%warnings, text]
+    call write_file(self, 'warning: '//text)
+  end subroutine log_note_warning
 
   !> Adds a row to the table of steps, with the header before the first and every 40 rows.
   subroutine log_step_row(self, row)

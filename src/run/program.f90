@@ -113,14 +113,14 @@ contains
     native = ''
     call import_read(options%deck, options%keep_3d, imported, errors, error)
     if (allocated(error)) return
-    call tell(options, errors, status)
+    call tell(errors, status)
     if (status /= exit_ok) return
     if (parallel_rank() == 0) call import_write(imported, folder, replace, error)
     call parallel_agree(error)
     if (allocated(error)) return
     native = import_path(imported, folder)
     call read_native(imported, native, errors)
-    call tell(options, errors, status)
+    call tell(errors, status)
     if (status /= exit_ok .and. parallel_rank() == 0) call file_remove(native, error)
     call parallel_agree(error)
   end subroutine import_deck
@@ -135,15 +135,12 @@ contains
   end subroutine announce
 
   !> Prints what is wrong with a deck.
-  subroutine tell(options, errors, status)
-    type(command_line_t), intent(in) :: options
+  subroutine tell(errors, status)
     type(deck_errors_t), intent(in) :: errors
     integer, intent(out) :: status
     status = merge(exit_deck, exit_ok, errors%count() > 0)
     if (parallel_rank() /= 0) return
-    if (errors%count() > 0 .or. (errors%warnings() > 0 .and. .not. options%quiet)) then
-      call errors%print(error_unit)
-    end if
+    call errors%print(error_unit)
   end subroutine tell
 
   !> Errors of a native deck, at the places of the deck that it comes from.
@@ -201,7 +198,7 @@ contains
       call announce(options, imported, deck)
     end if
     call deck_read(deck, options%settings, scene, errors)
-    call tell(options, errors, status)
+    call tell(errors, status)
     if (status /= exit_ok) return
     call thread_choice_read(merge(options%threads, omp_get_max_threads(), options%threads > 0), &
                             threads, error)

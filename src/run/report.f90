@@ -110,6 +110,11 @@ contains
     type(model_t), intent(in) :: model
     type(string_t), allocatable :: warnings(:), moved(:)
     integer :: w
+    if (allocated(scene%warnings)) then
+      do w = 1, size(scene%warnings)
+        call log%note_warning(scene%warnings(w)%text)
+      end do
+    end if
     moved = grid_fit_moved(scene)
     do w = 1, size(moved)
       call log%line(moved(w)%text)

@@ -45,6 +45,15 @@ velocity bar x="0.001*sin(8*pi*x)"
 velocity piece x=0.1
 stop energy_growth=1e6
 """
+# A deck of which the program has something to say before it runs.
+WARNED = """
+parameter unused = 3
+dimension 1
+grid cell=0.5 x=0:20
+time steps=3
+material m elastic density=1 young=1 poisson=0
+body b block material=m lower=2 upper=8 ppc=2
+"""
 # Sod's tube; exact between the tail of the fan and the shock: 0.92745 and 0.30313.
 SOD = """
 parameter method = sgmp
@@ -244,11 +253,25 @@ def balls(report):
                          f"ball_{method}: off by {error} and {result['verdict']} {result['verdict_reasons']}")
 
 
+def warned(report):
+    """Warnings of a deck: on the terminal, with --quiet, too, in the log and in summary.json."""
+    result = run("warned", WARNED)
+    words = "warned.inp:2:11: "
+    if not report.finished(result, "warned"):
+        return
+    report.check(words + "warning: parameter 'unused' is not used" in result.text, f"warned: {result.text}")
+    with open(os.path.join(result.folder, "run.log"), encoding="utf-8") as file:
+        log = file.read()
+    report.check("warning: " in log and words in log, "warned: no line in run.log")
+    report.check(any(words in text for text in result.summary["warnings"]), f"warned: {result.summary['warnings']}")
+
+
 def main():
     """All of them."""
     report = Report()
     eroded(report)
     leaving(report)
+    warned(report)
     balls(report)
     burnt(report)
     family(report, "sod", SOD, ({"courant": 0.4}, {"courant": 0.2}, {"courant": 0.3}), between, 0.05)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, torsion, a bar that rings and one that is pulled, a
-shock, impact beside equal cells; the same bits whatever the threads and ranks, and after a restart; what --check says.
+"""Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, torsion, a bar that rings and one that is
+pulled, a shock, impact beside equal cells; the same bits whatever the threads and ranks, and after a restart; what
+--check says.
 
 usage: graded.py SGMP SOURCE_DIR SCRATCH_DIR
 
