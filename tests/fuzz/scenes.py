@@ -8,8 +8,8 @@ _newest.py: ceramics, more shapes, gauges, and keys that no other scene has; of 
 _further.py: parts that are moved, walls that rub or let waves out, foam, spall, all words of `method sgmp`; of those
 from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tables as equations of state, afterburn,
 damage that knows the stress, flaws, averaged strain; of those from 240000000 on bodies that may touch themselves, all
-of which are too small to do so, and nine of ten scenes that may have grids with unequal cells. Each is run with one and two
-threads, on two ranks and from a checkpoint; then
+of which are too small to do so, and nine of ten scenes that may have grids with unequal cells. Each is run with one
+and two threads, on two ranks and from a checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
 * exit code 0, or 4 with a failure in words; never a crash or a hang;
