@@ -1,11 +1,13 @@
 !> Particles of bodies on a grid with unequal cells (doc/grids.md).
 !!
 !! A body at rest gets as many particles between two centres everywhere. One that moves may come
-!! where cells are small: its particles are as small as those there need them, all over.
+!! where cells are small: its particles are as small as those there need them, all over. So are those
+!! of a turned body, whose surfaces a lattice along the axes would make steps of.
 module sgmp_graded_bodies
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
   use sgmp_scene, only: body_card_t, grid_card_t, layout_graded, layout_lattice
+  use sgmp_turn, only: turn_same, turn_t
   implicit none
   private
   public :: graded_bodies_settle
@@ -35,7 +37,8 @@ contains
   pure function rests(body) result(yes)
     type(body_card_t), intent(in) :: body
     logical :: yes
-    yes = .not. (body%layout_asked .or. body%rigid .or. any(abs(body%spin_at_start) > 0.0_dp))
+    yes = .not. (body%layout_asked .or. body%rigid .or. any(abs(body%spin_at_start) > 0.0_dp) .or. &
+                 .not. turn_same(body%turn, turn_t()))
     yes = yes .and. zero(body%velocity)
   end function rests
 

@@ -12,7 +12,7 @@ module sgmp_contact_patch
   use sgmp_model, only: model_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_block
-  use sgmp_thickness, only: body_thickness
+  use sgmp_thickness, only: body_width
   implicit none
   private
   public :: patch_cells
@@ -48,7 +48,7 @@ contains
           end associate
         end if
         if (all(scene%bodies(b)%shapes%kind == shape_block)) cycle
-        radius = 0.5_dp*model%mesh%h*body_thickness(scene%bodies(b)%shapes, model%mesh)
+        radius = 0.5_dp*body_width(scene%bodies(b)%shapes, model%mesh)
         curves = curves + 1.0_dp/radius
       end associate
     end do

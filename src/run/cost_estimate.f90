@@ -161,7 +161,7 @@ contains
                trim(material_names(material%law%kind))//'), '// &
                bytes_text(particles_bytes(body%particles)))
       call put_mass(model%totals%bodies(b)%mass, shape_mass(scene, model, b))
-      call put_thickness(body_thickness(scene%bodies(b)%shapes, model%mesh), model%mesh%graded)
+      call put_thickness(body_thickness(scene%bodies(b)%shapes, model%mesh))
       if (body%rigid_motion%free) call put_free(body%rigid_motion)
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
@@ -201,12 +201,10 @@ contains
   end subroutine put_mass
 
   !> Cells across the thinnest of a body's shapes.
-  subroutine put_thickness(cells, graded)
+  subroutine put_thickness(cells)
     real(dp), intent(in) :: cells                !! huge: not known
-    logical, intent(in) :: graded                !! cells are unequal
     if (cells >= huge(cells)) return
-    call put('  thinnest  '//real_text_about(cells)//trim(merge(' of the smallest', &
-             '                ', graded))//' cells')
+    call put('  thinnest  '//real_text_about(cells)//' cells')
   end subroutine put_thickness
 
   !> Fields of the second stream with the card that asked for them.

@@ -3,14 +3,14 @@
 sound, coarse or doubted.
 
 usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default | --method WORDS] [--jobs J]
-           [--again] [--only CLASS]
+           [--again] [--only CLASS] [--unequal]
        truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S [--only CLASS]
 
 Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all, with --method all with those
 words of the card. Without --inputs one scene of each class, with --only all of one class. A coarse run keeps its
 promise if no error is larger than what it says is to be expected (or than what its class allows). Writes table.md,
 the rows of all runs so far in that folder as rows.jsonl, and the ten worst of what is sound and wrong as decks into
-SCRATCH_DIR; --again adds to the rows of earlier calls, whose seeds are not run once more: a long table that was
+SCRATCH_DIR; --unequal gives all scenes smaller cells in a part of a body (_unequal.py); --again adds to the rows of earlier calls, whose seeds are not run once more: a long table that was
 stopped goes on. The exit code is 1 if more than 3 of 100 sound runs are wrong, more than 1 of 100 of those with
 `method sgmp` and bodies of four cells and more, more than 5 of 100 right ones are doubted, fewer than 95 of 100
 coarse ones keep their promise, or fewer than 40 of 100 of all are right and sound.
@@ -27,6 +27,7 @@ import sys
 import time
 
 from _truth_scenes import CLASSES, scene
+from _unequal import LEFT_OUT, unequal
 
 ENVIRONMENT = {
     **os.environ,
@@ -98,11 +99,13 @@ def judge(chosen, seed):
     a promised error was kept, wall time."""
     started = time.monotonic()
     name, truth, card = scene(seed, drawn(chosen, seed))
-    if chosen.default or chosen.method:
+    if chosen.default or chosen.method or chosen.unequal:
         card = f"method {chosen.method or 'sgmp'}"
     folder = os.path.join(chosen.scratch, f"run_{seed}")
     os.makedirs(folder, exist_ok=True)
     texts = [deck.replace("METHOD", card) for deck in truth.decks]
+    if chosen.unequal:
+        texts = [unequal(text, seed) for text in texts]
     results = [Result(chosen.sgmp, folder, f"scene_{i}", text) for i, text in enumerate(texts)]
     shutil.rmtree(folder)
     failed = next((result for result in results if result.code != 0), None)
@@ -130,7 +133,8 @@ def drawn(chosen, seed):
     """The class of a seed where each has one scene, or all are of one; else it is drawn, too."""
     if chosen.only:
         return chosen.only
-    return None if chosen.inputs else sorted(CLASSES)[seed - chosen.seed]
+    names = [name for name in sorted(CLASSES) if not (chosen.unequal and name in LEFT_OUT)]
+    return names[(seed - chosen.seed) % len(names)] if chosen.unequal or not chosen.inputs else None
 
 
 def rows_of(path):
@@ -186,6 +190,7 @@ def main():
     parser.add_argument("--default", action="store_true")
     parser.add_argument("--method")
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--unequal", action="store_true")
     parser.add_argument("--only", choices=sorted(CLASSES))
     chosen = parser.parse_args()
     if chosen.show is not None:

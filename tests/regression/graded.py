@@ -155,6 +155,16 @@ history steps=10
 checkpoint every=100
 output csv at=end fields=stress
 """
+# A turned block that begins at rest is pushed at one face.
+TURNED = """
+dimension 2
+grid cell=1/8 x=open y=open fine_x=(0,0.5) ratio=1.2 largest=0.5
+time end=20 cfl=0.5
+material m elastic density=1 young=1 poisson=0.3
+body b block material=m lower=(0,0) upper=(1,2) rotation=30 pivot=(0,0) ppc=2
+pressure b p=1e-4 face=x-
+history steps=20
+"""
 # A ball goes into a plate: contact, plasticity, failure, viscosity.
 IMPACT = """
 parameter h = 1
@@ -378,6 +388,21 @@ def pressed(report):
     report.check(abs(first["energy.drift"]) < 0.02, f"pushed: energy drifts by {first['energy.drift']}")
 
 
+def turned(report):
+    """Momentum of a turned block: pressure times area and time, along the face's normal. Its particles are a lattice
+    that is turned, too: a lattice along the axes has steps for faces, which were pushed along the axes."""
+    result = run("turned", TURNED)
+    if not report.finished(result, "turned"):
+        return
+    row = result.table("history.csv")[-1]
+    push = 1e-4*2*(row["time"] - row["dt"]/2)
+    for axis, part in (("x", math.cos(math.pi/6)), ("y", math.sin(math.pi/6))):
+        found = row[f"momentum_{axis}"]/(push*part)
+        report.check(abs(found - 1) < 0.01, f"turned: momentum along {axis} {found}")
+    result = run("turned_steps", changed(TURNED, (" ppc=2", " layout=graded ppc=2")))
+    report.check(result.code == 3 and "no known faces" in result.text, f"turned, layout=graded: {result.text}")
+
+
 def seen(report):
     """The viewer draws large particles as the small ones that they stand for: no gaps, the mass that there was."""
     sys.path.insert(0, f"{SOURCE}/python")
@@ -404,12 +429,18 @@ def told(report):
                   "  z         equal cells of 1\n", "  step      from the smallest side, 1, in all cells",
                   "particles of 'plate' are as wide as 0.5 of their cells at most, and the largest as "):
         report.check(words in text, f"--check does not say: {words}\n{text}")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(BAR)
+    text = subprocess.run([SGMP, path, "--check"], capture_output=True, text=True, check=False, env=ENVIRONMENT).stdout
+    told_cells = [float(line.split()[1]) for line in text.splitlines() if line.startswith("  thinnest")]
+    # the bar and its image: 16 cells of 0.25 twice, and from there to 2 by 15 % and back
+    report.check(len(told_cells) == 1 and 120 < told_cells[0] < 200, f"--check: cells of the bar\n{text}")
 
 
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, rings, torsion, leave, spin, bar, pulled, shock, impact, pressed, seen, told):
+    for check in (flights, rest, rings, torsion, leave, spin, bar, pulled, shock, impact, pressed, turned, seen, told):
         check(report)
     report.end()
 
