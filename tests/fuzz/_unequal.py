@@ -59,5 +59,6 @@ def unequal(deck, seed):
         if a < len(lower):
             low = max(lower[a], 0.0) if axes[a] == "r" else lower[a]
             words += f" fine_{axes[a]}=" + interval(luck, low, upper[a], float(grid[1]), extents.get(axes[a]))
-    return deck.replace(grid[0], f"grid cell={float(grid[1])/2!r}{grid[2]}{words} ratio={luck.choice((1.05, 1.1, 1.2))} "
+    ratio = luck.choice((1.05, 1.1, 1.2))
+    return deck.replace(grid[0], f"grid cell={float(grid[1])/2!r}{grid[2]}{words} ratio={ratio} "
                                  f"largest={float(grid[1])!r}")
