@@ -198,8 +198,8 @@ contains
           (body%layout == layout_graded .and. .not. turn_same(body%turn, turn_t()))) then
         call draft%errors%add(card%place('body'), "the particles of body '"//card%word('body')// &
                               "' have no known faces", &
-                              'faces are those of a lattice: no layout=gauss, no jitter, no file, and of '// &
-                              'turned bodies no layout=graded')
+                              'faces are those of a lattice: no layout=gauss, no jitter, '// &
+                              'no file, and of turned bodies no layout=graded')
       end if
     end associate
   end subroutine check_faces

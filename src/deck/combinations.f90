@@ -92,8 +92,8 @@ module sgmp_combinations
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
     feature_t('blast', '', 'blast', '', ask_card, '', 0), &
-    feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', ask_given, &
-              '', 0), &
+    feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', &
+              ask_given, '', 0), &
     feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
     feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
     feature_t('crack-width', 'fracture_energy=…', 'failure', 'fracture_energy', ask_given, '', 0), &

@@ -1,8 +1,8 @@
 !> Particles of bodies on a grid with unequal cells (doc/grids.md).
 !!
 !! A body at rest gets as many particles between two centres everywhere. One that moves may come
-!! where cells are small: its particles are as small as those there need them, all over. So are those
-!! of a turned body, whose surfaces a lattice along the axes would make steps of.
+!! where cells are small: its particles are as small as those there need them, all over. So are
+!! those of a turned body, whose surfaces a lattice along the axes would make steps of.
 module sgmp_graded_bodies
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp

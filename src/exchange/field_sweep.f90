@@ -16,9 +16,9 @@ module sgmp_field_sweep
   use sgmp_lost_particles, only: lost_particles_check
   use sgmp_mesh, only: mesh_t
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
+  use sgmp_pace, only: pace_note
   use sgmp_plan, only: plan_t
   use sgmp_ranks, only: ranks_t
-  use sgmp_pace, only: pace_note
   use sgmp_sums, only: sweep_sums
   use sgmp_tally, only: tally_add
   use sgmp_team, only: slab_empty, stencil_layers, team_slabs, team_t

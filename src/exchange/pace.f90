@@ -7,8 +7,8 @@ module sgmp_pace
   private
   public :: pace_t, pace_cost, pace_due, pace_learn, pace_note, pace_share
 
-  integer, parameter :: window = 64          !! sweeps after which a measurement is complete
-  real(dp), parameter :: tolerance = 1.05_dp !! of the slowest thread's time over the mean
+  integer, parameter :: window = 64           !! sweeps after which a measurement is complete
+  real(dp), parameter :: tolerance = 1.05_dp  !! of the slowest thread's time over the mean
 
   !> What is known of the threads of a field.
   type :: pace_t

@@ -10,8 +10,8 @@ module sgmp_thickness
 
 contains
 
-  !> Cells across the thinnest of the shapes that a body unites, those that are there where cells are
-  !! unequal; huge where that has no end, or the shape is unknown. A wall continues a body that
+  !> Cells across the thinnest of the shapes that a body unites, those that are there where cells
+  !! are unequal; huge where that has no end, or the shape is unknown. A wall continues a body that
   !! touches it, two walls without end.
   pure function body_thickness(shapes, mesh) result(cells)
     type(shape_t), allocatable, intent(in) :: shapes(:)

@@ -22,6 +22,7 @@ module DIM(sgmp_chunk)
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
+  use sgmp_graded_axis, only: graded_between
   use DIM(sgmp_graded_loads), only: graded_loads_factor, graded_loads_sides, graded_loads_slopes
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
@@ -40,7 +41,6 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
                        sum_moment, sum_momentum, sum_viscous, sweep_sums
-  use sgmp_graded_axis, only: graded_between
 #ifdef AXISYMMETRIC
   use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
 #endif

@@ -8,15 +8,15 @@
 !! its place: weights are those of equal cells. The integral of a centre's hat function over the
 !! place is h_c for any sides, and a uniform stress therefore pushes no node.
 !!
-!! Lengths are in the smallest cell's side h. Beyond the table sides are as they are at its ends; the
-!! centre behind a wall is the image of the one before it.
+!! Lengths are in the smallest cell's side h. Beyond the table sides are as they are at its ends;
+!! the centre behind a wall is the image of the one before it.
 module sgmp_graded_axis
   use sgmp_kinds, only: dp
   implicit none
   private
   public :: graded_axis_t, graded_make
-  public :: graded_advance, graded_between, graded_centre, graded_coordinate, graded_node, graded_place, &
-            graded_spacing, graded_tables, graded_width
+  public :: graded_advance, graded_between, graded_centre, graded_coordinate, graded_node, &
+            graded_place, graded_spacing, graded_tables, graded_width
 
   !> Tables of one axis; without them cells are equal.
   type :: graded_axis_t
@@ -133,8 +133,8 @@ contains
     place = axis%centre(c) + (x - (c + 0.5_dp))*graded_spacing(axis, c + 1)
   end function graded_place
 
-  !> What some coordinates lie between: the spacing of the centres around each, the coordinate of the
-  !! lower of them and its place from the origin.
+  !> What some coordinates lie between: the spacing of the centres around each, the coordinate of
+  !! the lower of them and its place from the origin.
   pure subroutine graded_between(axis, n, x, spacing, lower, place)
     type(graded_axis_t), intent(in) :: axis
     integer, intent(in) :: n

@@ -230,6 +230,7 @@ contains
     real(dp), intent(out) :: fine(2, 3)
     logical, intent(out) :: graded(3)
     real(dp) :: margin, ends(2), start
+    logical :: ended
     integer :: a, b
     graded = .false.
     fine(1, :) = huge(1.0_dp)
@@ -251,15 +252,12 @@ contains
     end do
     associate (grid => scene%grid, h => scene%grid%cell)
       do a = 1, scene%dimension
-        start = 0.0_dp
-        if (.not. grid%open(1, a)) start = grid%lower(a)
+        ended = .not. grid%open(1, a)
+        start = merge(grid%lower(a), 0.0_dp, ended)
+        if (scene%axisymmetric .and. a == 1) ended = .true.  ! at the axis
         fine(1, a) = start + h*floor((fine(1, a) - start)/h + 1.0e-6_dp)
         fine(2, a) = start + h*ceiling((fine(2, a) - start)/h - 1.0e-6_dp)
-        if (a == 1 .and. scene%axisymmetric) then
-          if (fine(1, a) < 4.0_dp*h) fine(1, a) = 0.0_dp
-        else if (.not. grid%open(1, a)) then
-          if (fine(1, a) < grid%lower(a) + 4.0_dp*h) fine(1, a) = grid%lower(a)
-        end if
+        if (ended .and. fine(1, a) < start + 4.0_dp*h) fine(1, a) = start
         if (.not. grid%open(2, a)) then
           if (fine(2, a) > grid%upper(a) - 4.0_dp*h) fine(2, a) = grid%upper(a)
         end if

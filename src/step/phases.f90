@@ -113,7 +113,8 @@ contains
           call walls_fold(fields(f), mesh, axis, 1, fields(f)%planes, own%first_column, &
                           own%last_column)
         else
-          !$omp parallel do num_threads(threads) if(threads > 1 .and. fields(f)%points > few_points) &
+          !$omp parallel do num_threads(threads) &
+          !$omp& if(threads > 1 .and. fields(f)%points > few_points) &
           !$omp& default(none) shared(mesh, fields, own, f, axis, threads) private(t)
           do t = 1, threads
             call walls_fold(fields(f), mesh, axis, 1 + share(fields(f)%planes, threads, t - 1), &

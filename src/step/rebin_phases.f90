@@ -8,8 +8,8 @@ module sgmp_rebin_phases
   use sgmp_field, only: field_t
   use sgmp_field_sweep, only: sweep_columns
   use sgmp_findings, only: findings_t
-  use sgmp_kernels, only: stencil_width
   use sgmp_graded_axis, only: graded_place
+  use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_lost_particles, only: lost_particles_find_bins
   use sgmp_mesh, only: mesh_place, mesh_t

@@ -3,6 +3,7 @@ import random
 
 import _truths
 import _truths_charges
+import _truths_deep
 import _truths_flows
 import _truths_impacts
 import _truths_layers
@@ -12,7 +13,7 @@ import _truths_solids
 import _truths_water
 
 MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water, _truths_rigid,
-           _truths_charges, _truths_rubs)
+           _truths_charges, _truths_rubs, _truths_deep)
 CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 

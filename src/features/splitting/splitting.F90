@@ -8,6 +8,9 @@
 !! strains it and the faces of the grid, so that the same particles are split whatever threads and
 !! ranks do.
 module DIM(sgmp_splitting)
+#ifdef AXISYMMETRIC
+  use sgmp_axis, only: axis_cell
+#endif
   use sgmp_constitutive, only: constitutive_t, law_is_spherical
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_occupied, mesh_t
@@ -43,13 +46,20 @@ contains
     integer, intent(out) :: axis(lanes)
     real(dp), intent(out) :: offset(lanes)
     real(dp) :: side(NDIM), mean, longest_path
-    logical :: fluid
+    logical :: fluid, long(lanes)
     integer :: l
-    fluid = law_is_spherical(law)
-    longest_path = 2.0_dp**splitting%halvings
     axis = 0
     offset = 0.0_dp
+    fluid = law_is_spherical(law)
+    long = .true.
+    if (.not. fluid) then
+      call too_long(mesh, splitting%limit, nl, motion, state(1, law%slots%volume), &
+                    state(1, law%slots%stretch), long)
+      if (.not. any(long(:nl))) return
+    end if
+    longest_path = 2.0_dp**splitting%halvings
     do l = 1, nl
+      if (.not. long(l)) cycle
       associate (stretch => state(l, law%slots%stretch:law%slots%stretch + NDIM - 1))
         mean = mesh_occupied(mesh, motion(l, :NDIM), state(l, law%slots%volume))**(1.0_dp/NDIM)
         side = stretch*(mean/product(stretch)**(1.0_dp/NDIM))
@@ -73,6 +83,35 @@ contains
       end associate
     end do
   end subroutine splitting_choose
+
+  !> Which particles of a chunk may have a side longer than the limit: none is missed. Without the
+  !! roots of the sides themselves, which most particles do not need.
+  pure subroutine too_long(mesh, limit, nl, motion, volume, stretch, long)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: limit                      !! (cells)
+    integer, intent(in) :: nl
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), volume(lanes), stretch(lanes, NDIM)
+    logical, intent(out) :: long(lanes)
+    real(dp) :: cell, whole, longest
+    integer :: l, d
+#ifdef AXISYMMETRIC
+    cell = 0.999_dp*limit**NDIM*axis_cell(mesh%h)
+#else
+    cell = 0.999_dp*limit**NDIM*mesh%h**NDIM
+#endif
+    do l = 1, nl
+      whole = stretch(l, 1)
+      longest = stretch(l, 1)
+      do d = 2, NDIM
+        whole = whole*stretch(l, d)
+        longest = max(longest, stretch(l, d))
+      end do
+#ifdef AXISYMMETRIC
+      whole = whole*motion(l, 1)
+#endif
+      long(l) = longest**NDIM*volume(l) > cell*whole
+    end do
+  end subroutine too_long
 
   !> Whether both halves will be inside the grid and within a cell of the bin that the particle was
   !! in.
