@@ -628,10 +628,11 @@ def mass_problems(scene, result, rows, particles, masses):
         yield f"mass wrong by {worst/masses[steps[0]]:.1e}"
     # may have a mass by their card, and keep it as their particles leave the grid
     free = {body["body"] for body in (result.table("rigid.csv") if result.content("rigid.csv") else [])}
-    stiff = set(re.findall(r"^rigid (\w+)", scene.text(), re.MULTILINE))
+    names = re.findall(r"^body (\w+)", scene.text(), re.MULTILINE)
+    free |= {names.index(name) + 1 for name in re.findall(r"^rigid (\w+)", scene.text(), re.MULTILINE)}
     for body in result.table("bodies.csv"):
         own = sum(row["mass"] for row in particles if row["body"] == body["body"])
-        if body["step"] != steps[-1] or body["body"] in free or str(body["name"]).strip() in stiff:
+        if body["step"] != steps[-1] or body["body"] in free:
             continue
         if abs(own - body["mass"]) > 1e-12*masses[steps[0]]:
             yield f"particles of body {body['body']:.0f} weigh {own:.6g}, the body {body['mass']:.6g}"
