@@ -114,8 +114,7 @@ contains
       call opinion%object(percent_text(found%inside_part)//" of body '"// &
                          trim(scene%bodies(found%inside_bodies(1))%name)//"' is inside body '"// &
                          trim(scene%bodies(found%inside_bodies(2))%name)// &
-                         "': contact has not kept it out; use smaller cells or cfl, or where "// &
-                         'bodies flow method … split=0.75')
+                         "': contact has not kept it out; use smaller cells or cfl"//remedy)
     end if
     if (found%gaps > largest_gaps .and. .not. found%separated_part > largest_separated) then
       call opinion%object("cells of body '"//trim(scene%bodies(found%gaps_body)%name)// &
