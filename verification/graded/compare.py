@@ -42,20 +42,19 @@ def of_body(folder, name):
     return [row for row in table(folder, "bodies.csv") if row["name"].strip() == name][-1]
 
 
-def plate(folder, part=0.25):
-    """Residual velocity of the ball; radius of a round hole as large as that of whole matter in the middle of a plate,
-    of which a part is there."""
+def plate(folder):
+    """Residual velocity of the ball; radius of a round hole as large as what has failed in the middle of a plate."""
     rows = [row for row in table(folder, "particles_end.csv") if row["body"] == "2"]
-    whole = sum(float(row["mass"]) for row in rows if float(row["damage"]) < 1 and math.hypot(
-        float(row["x0"]), float(row["y0"])) < 20)
-    there = part*math.pi*20**2*6*2.77e-3
+    rows = [row for row in rows if math.hypot(float(row["x0"]), float(row["y0"])) < 20]
+    there = sum(float(row["mass"]) for row in rows)
+    whole = sum(float(row["mass"]) for row in rows if float(row["damage"]) < 1)
     return {"residual velocity (m/s)": -float(of_body(folder, "ball")["velocity_z"]),
             "radius of the hole (mm)": 20*math.sqrt(max(0.0, 1 - whole/there))}
 
 
 def disc(folder):
-    """The same of a whole disc."""
-    return plate(folder, part=1)
+    """The same of a disc."""
+    return plate(folder)
 
 
 def target(folder):
