@@ -28,7 +28,7 @@ contains
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
     real(dp), dimension(lanes) :: before, place, sides, lower, base, part
-    real(dp) :: spacing, inverse, start, left
+    real(dp) :: spacing, inverse, start, left, off, middle, half
     integer :: l, d, c
     left = 0.0_dp
     do d = 1, NDIM
@@ -38,13 +38,15 @@ contains
         spacing = graded_spacing(mesh%axes(d), c + 1)
         inverse = dt/spacing
         start = graded_centre(mesh%axes(d), c)
-        !$omp simd simdlen(8)
+        off = 0.0_dp
+        !$omp simd simdlen(8) reduction(max:off)
         do l = 1, lanes
           motion(l, d) = before(l) + inverse*velocity(l, d)
           xi(l, d) = motion(l, d) - origin(d)
           place(l) = start + spacing*xi(l, d)
+          off = max(off, abs(xi(l, d) - 0.5_dp))
         end do
-        if (.not. all(abs(xi(:, d) - 0.5_dp) < 0.5_dp)) then
+        if (.not. off < 0.5_dp) then
           do l = 1, lanes
             if (abs(xi(l, d) - 0.5_dp) < 0.5_dp) cycle
             motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
@@ -54,13 +56,15 @@ contains
         end if
       else
         call graded_between(mesh%axes(d), lanes, before, sides, lower, base)
-        !$omp simd simdlen(8)
+        off = 0.0_dp
+        !$omp simd simdlen(8) reduction(max:off)
         do l = 1, lanes
           part(l) = (before(l) - lower(l)) + dt*velocity(l, d)/sides(l)
           motion(l, d) = lower(l) + part(l)
           place(l) = base(l) + (motion(l, d) - lower(l))*sides(l)
+          off = max(off, abs(part(l) - 0.5_dp))
         end do
-        if (.not. all(abs(part - 0.5_dp) < 0.5_dp)) then
+        if (.not. off < 0.5_dp) then
           do l = 1, lanes
             if (abs(part(l) - 0.5_dp) < 0.5_dp) cycle
             motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
@@ -69,12 +73,13 @@ contains
         end if
         xi(:, d) = motion(:, d) - origin(d)
       end if
-      lane_sums(:, sum_moment + d - 1) = lane_sums(:, sum_moment + d - 1) + &
-                                         live*motion(:, mass_at)*place
+      middle = 0.5_dp*(extent(2, d) + extent(1, d))
+      half = 0.5_dp*(extent(2, d) - extent(1, d))
+      !$omp simd simdlen(8) reduction(max:left)
       do l = 1, lanes
-        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - 0.5_dp*(extent(2, d) + &
-                                                                      extent(1, d))) < &
-                               0.5_dp*(extent(2, d) - extent(1, d))))
+        lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + &
+                                           live(l)*motion(l, mass_at)*place(l)
+        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - middle) < half))
       end do
     end do
     outside = left > 0.0_dp

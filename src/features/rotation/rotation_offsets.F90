@@ -175,36 +175,43 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n, axis
     real(dp), intent(inout) :: total(*)          !! a tile
-    real(dp) :: spacing(-1:1), about(tile)
-    integer :: r, dj, dk, i, row(2), above, below, up(3), at
+    real(dp) :: spacing(0:tile + 1), about(tile), upper, lower
+    integer :: r, dj, dk, i, row(2), above, below, up(3)
     row = graded_row(field, s)
     up = merge(1, 0, [axis == 1, NDIM == 3 .and. axis == 2, axis == NDIM .and. axis > 1])
     about(:n) = 0.0_dp
     call add_differences(n, 0.5_dp, axis, field%moment(1, field%columns%mass), &
                          centre_rows(field, s, first), about)
-    do i = 1, n
-      at = first + i - 1
-      if (axis > 1) at = row(axis - 1)
-      spacing = graded_spacing(mesh%axes(axis), [at - 1, at, at + 1])
-      total(i) = spacing(0)*about(i)
-      associate (pair => field%moment(:, field%columns%pairs + axis - 1))
-        do r = 1, NROW
-          dj = (r - 1)/2 - NDIM + 2
-          dk = mod(r - 1, 2) - 1
-          if (up(2) == 1 .and. dj < 0) cycle      ! rows along the axis: once
-          if (up(3) == 1 .and. dk < 0) cycle
-          at = first + i - 1
-          above = at + field%neighbour(merge(1, dj, up(2) == 1), merge(1, dk, up(3) == 1), s)
-          below = at + field%neighbour(merge(-1, dj, up(2) == 1), merge(-1, dk, up(3) == 1), s)
-          if (axis == 1) then
-            total(i) = total(i) + (spacing(1)*pair(above + 1) - spacing(-1)*pair(below - 1))
-          else
-            total(i) = total(i) + (spacing(1)*(pair(above) + pair(above - 1)) - &
-                                   spacing(-1)*(pair(below) + pair(below - 1)))
-          end if
-        end do
-      end associate
-    end do
+    if (axis == 1) then
+      spacing(:n + 1) = graded_spacing(mesh%axes(1), [(first + i - 1, i=0, n + 1)])
+    else
+      spacing(:n + 1) = graded_spacing(mesh%axes(axis), row(axis - 1))
+      lower = graded_spacing(mesh%axes(axis), row(axis - 1) - 1)
+      upper = graded_spacing(mesh%axes(axis), row(axis - 1) + 1)
+    end if
+    total(:n) = spacing(1:n)*about(:n)
+    associate (pair => field%moment(:, field%columns%pairs + axis - 1))
+      do r = 1, NROW
+        dj = (r - 1)/2 - NDIM + 2
+        dk = mod(r - 1, 2) - 1
+        if (up(2) == 1 .and. dj < 0) cycle        ! rows along the axis: once
+        if (up(3) == 1 .and. dk < 0) cycle
+        above = first - 1 + field%neighbour(merge(1, dj, up(2) == 1), merge(1, dk, up(3) == 1), s)
+        below = first - 1 + field%neighbour(merge(-1, dj, up(2) == 1), &
+                                            merge(-1, dk, up(3) == 1), s)
+        if (axis == 1) then
+          do i = 1, n
+            total(i) = total(i) + (spacing(i + 1)*pair(above + i + 1) - &
+                                   spacing(i - 1)*pair(below + i - 1))
+          end do
+        else
+          do i = 1, n
+            total(i) = total(i) + (upper*(pair(above + i) + pair(above + i - 1)) - &
+                                   lower*(pair(below + i) + pair(below + i - 1)))
+          end do
+        end if
+      end do
+    end associate
   end subroutine graded_moments
 
   !> Nodes on a slip wall have the offset of a body with its mirror image, those on a fixed wall do
