@@ -163,19 +163,19 @@ contains
     type(draft_t), intent(inout) :: draft
     character(7), parameter :: words(2) = [character(7) :: 'ratio', 'largest']
     character(1), parameter :: names(4) = ['x', 'y', 'z', 'r']
+    character(:), allocatable :: remedy
     character(6) :: key
     logical :: any_fine
     integer :: i, axis, w
     any_fine = .false.
+    remedy = 'remove it or change the dimension'
+    if (draft%scene%axisymmetric) remedy = 'the axes are r and z: write fine_r or fine_z'
     do i = 1, size(names)
       key = 'fine_'//names(i)
       if (size(card%points(key), 2) == 0) cycle
       any_fine = .true.
       if (any([(draft%axis_key(axis) == names(i), axis=1, draft%scene%dimension)])) cycle
-      call draft%errors%add(card%place(key), key//' '//draft%in_space(), &
-                            trim(merge('the axes are r and z: write fine_r or fine_z', &
-                                       'remove it or change the dimension           ', &
-                                       draft%scene%axisymmetric)))
+      call draft%errors%add(card%place(key), key//' '//draft%in_space(), remedy)
     end do
     do w = 1, 2
       if (any_fine .or. .not. card%has(trim(words(w)))) cycle

@@ -12,7 +12,7 @@ module sgmp_cards_surface
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined
-  use sgmp_turn, only: turn_same, turn_t
+  use sgmp_turn, only: turn_turns
   implicit none
   private
   public :: register_surface
@@ -195,7 +195,7 @@ contains
     if (b <= 0) return
     associate (body => draft%scene%bodies(b))
       if (all(body%layout /= [layout_lattice, layout_graded]) .or. body%jitter > 0.0_dp .or. &
-          (body%layout == layout_graded .and. .not. turn_same(body%turn, turn_t()))) then
+          (body%layout == layout_graded .and. turn_turns(body%turn))) then
         call draft%errors%add(card%place('body'), "the particles of body '"//card%word('body')// &
                               "' have no known faces", &
                               'faces are those of a lattice: no layout=gauss, no jitter, '// &

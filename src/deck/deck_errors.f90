@@ -108,8 +108,9 @@ contains
     type(string_t), allocatable :: lines(:)
     integer :: i, n
     allocate (lines(self%warnings()))
+    if (size(lines) == 0) return
     n = 0
-    do i = 1, merge(size(self%entries), 0, size(lines) > 0)
+    do i = 1, size(self%entries)
       if (.not. self%entries(i)%warning) cycle
       n = n + 1
       lines(n)%text = self%entries(i)%position%text()//': '//self%entries(i)%message

@@ -7,7 +7,7 @@ module sgmp_graded_bodies
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
   use sgmp_scene, only: body_card_t, grid_card_t, layout_graded, layout_lattice
-  use sgmp_turn, only: turn_same, turn_t
+  use sgmp_turn, only: turn_turns
   implicit none
   private
   public :: graded_bodies_settle
@@ -38,7 +38,7 @@ contains
     type(body_card_t), intent(in) :: body
     logical :: yes
     yes = .not. (body%layout_asked .or. body%rigid .or. any(abs(body%spin_at_start) > 0.0_dp) .or. &
-                 .not. turn_same(body%turn, turn_t()))
+                 turn_turns(body%turn))
     yes = yes .and. zero(body%velocity)
   end function rests
 

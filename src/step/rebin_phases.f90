@@ -56,7 +56,7 @@ contains
     type(ranks_t), intent(inout) :: ranks
     type(findings_t), intent(inout) :: findings
     type(timers_t), intent(inout) :: timers
-    integer :: b
+    integer :: b, f
     logical :: changed(size(fields))
     changed = .false.
     findings%moved = 0
@@ -86,9 +86,9 @@ contains
       if (any(changed)) then
         call phase_layout(mesh, fields, bodies, contact, team, ranks%partition, changed)
       end if
-      do b = 1, size(fields)
-        if (changed(b) .or. .not. pace_due(team%paces(b))) cycle
-        call team_divide(team, b, fields(b), bodies, ranks%partition)
+      do f = 1, size(fields)
+        if (changed(f) .or. .not. pace_due(team%paces(f))) cycle
+        call team_divide(team, f, fields(f), bodies, ranks%partition)
       end do
       do b = 1, size(bodies)
         if (all(team%movers(b, :)%n == 0 .and. team%movers(b, :)%freed == 0)) cycle

@@ -113,6 +113,18 @@ velocity b spin="1e-4*sin(pi*z/2)"
 history steps=1
 output csv at=end
 """
+# Dust flies outwards from the axis, v = 5 r, to one and a half of its radius.
+EXPAND = """
+dimension axisymmetric
+units mm g ms
+grid cell=0.5 r=open z=open fine_r=(0,2),(6,9) fine_z=(4,6) ratio=1.3 largest=3
+time end=0.1 cfl=0.5
+material dust elastic density=7.85e-3 young=1e-6 poisson=0
+body a cylinder material=dust centre=(0,0) radius=10 length=10 axis=(0,1) layout=graded ppc=2
+velocity a r="5*r"
+history steps=20
+output csv at=end fields=initial_position
+"""
 # Rings fly out of the grid along the axis.
 LEAVE = """
 dimension axisymmetric
@@ -252,6 +264,15 @@ def torsion(report):
     moment = math.pi/2*1e-4*2/math.pi
     report.check(abs(rows[0]["angular_momentum"]/moment - 1) < 4e-3, f"torsion: moment {rows[0]['angular_momentum']}")
     report.check(abs(result["energy.remainder"]) < 1e-12*rows[0]["kinetic_energy"], "torsion: identity of energy")
+
+
+def expand(report):
+    """All radii grow alike, next to the axis, too: r/r0 = 1.5 but for the growth of cells."""
+    result = run("expand", EXPAND)
+    if report.finished(result, "expand"):
+        grown = [row["x"]/row["x0"] for row in result.table("particles_end.csv")]
+        report.check(abs(min(grown) - 1.5) < 0.01 and abs(max(grown) - 1.5) < 0.01,
+                     f"expand: radii have grown {min(grown)} to {max(grown)} times")
 
 
 def leave(report):
@@ -440,7 +461,8 @@ def told(report):
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, rings, torsion, leave, spin, bar, pulled, shock, impact, pressed, turned, seen, told):
+    for check in (flights, rest, rings, torsion, expand, leave, spin, bar, pulled, shock, impact, pressed, turned, seen,
+                  told):
         check(report)
     report.end()
 

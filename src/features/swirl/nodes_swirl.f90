@@ -4,6 +4,7 @@
 !! A node's moment of inertia is the sum of m X^2, X the particles' radius in cells: with it a rigid
 !! rotation is projected exactly, as an expansion is with the radial mass.
 module sgmp_nodes_swirl
+  use sgmp_auxmesh_2d, only: graded_row
   use sgmp_columns, only: node_acceleration, node_gyration, node_inverse_mass, node_swirl, &
                           node_velocity
   use sgmp_field, only: field_t
@@ -11,7 +12,6 @@ module sgmp_nodes_swirl
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_rotation_rows_2d, only: add_differences, centre_rows, sums_row, tile
-  use sgmp_rows, only: key_k
   use sgmp_sums, only: nodes_external, nodes_mass_aa, nodes_mass_av
   implicit none
   private
@@ -48,9 +48,9 @@ contains
     call sums_row(n, field%moment(1, field%columns%swirl + 1), b, inertia)
     torque = 0.0_dp
     if (dt > 0.0_dp .and. mesh%graded) then
-      axis = field%columns%torque
-      call graded_divergence(mesh, [key_k(field%work%key(s)), 0], first, n, field%moment(1, axis), &
-                             field%moment(1, axis + 1), b, torque)
+      call graded_divergence(mesh, graded_row(field, s), first, n, &
+                             field%moment(1, field%columns%torque), &
+                             field%moment(1, field%columns%torque + 1), b, torque)
       torque(:n) = torque(:n)/mean
     else if (dt > 0.0_dp) then
       do axis = 1, 2
