@@ -12,6 +12,7 @@ module sgmp_cards_grid
   use sgmp_lost_policy, only: lost_error, lost_names
   use sgmp_mesh, only: wall_absorbing, wall_fixed, wall_free, wall_names
   use sgmp_registry, only: read_first, registry_t
+  use sgmp_scene, only: grid_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_spelling, only: words_joined
@@ -195,10 +196,7 @@ contains
     real(dp) :: ends(2)
     key = 'fine_'//draft%axis_key(axis)
     associate (grid => draft%scene%grid)
-      wish%open = grid%open(:, axis)
-      if (axis == 1 .and. draft%scene%axisymmetric) wish%open(1) = .false.  ! it begins at the axis
-      wish%held = grid_fit_held(grid, axis, draft%scene%axisymmetric) .and. .not. wish%open
-      wish%ends = [grid%lower(axis), grid%upper(axis)]
+      call take_ends(grid, axis, draft%scene%axisymmetric, wish)
       wish%cell = grid%cell
       wish%ratio = card%number('ratio', absent=wish%ratio)
       wish%largest = card%number('largest', absent=graded_default_largest*grid%cell)/grid%cell
@@ -221,6 +219,19 @@ contains
       if (.not. wish%open(2)) grid%upper(axis) = ends(2)
     end associate
   end subroutine grade_axis
+
+  !> Where an axis ends, and how.
+  pure subroutine take_ends(grid, axis, axisymmetric, wish)
+    type(grid_card_t), intent(in) :: grid
+    integer, intent(in) :: axis
+    logical, intent(in) :: axisymmetric
+    type(graded_wish_t), intent(inout) :: wish
+    wish%open = grid%open(:, axis)
+    if (axis == 1 .and. axisymmetric) wish%open(1) = .false.  ! it begins at the axis
+    wish%held = grid_fit_held(grid, axis, axisymmetric) .and. .not. wish%open
+    wish%walls = wish%held .and. grid%wall(:, axis) /= wall_absorbing
+    wish%ends = [grid%lower(axis), grid%upper(axis)]
+  end subroutine take_ends
 
   !> Moves an end without a wall to the grid; an error where walls at both ends are not on it.
   subroutine fit_axis(draft, axis, position)

@@ -13,7 +13,7 @@ module sgmp_cards_material
   use sgmp_keys, only: fault_t, kind_name_word, kind_real, kind_word
   use sgmp_kinds, only: dp
   use sgmp_registry, only: read_first, registry_t
-  use sgmp_scene, only: material_card_t
+  use sgmp_scene, only: grid_card_t, material_card_t
   use sgmp_scene_draft, only: draft_t, named_materials
   use sgmp_spelling, only: word_position, words_joined
   use sgmp_text, only: real_text
@@ -174,9 +174,16 @@ contains
     if (i == 0) return
     call law_set_spall(draft%scene%materials(i)%law)
     call check_resolved(card, draft, i)
-    associate (cell => draft%scene%grid%cell, &
+    associate (cell => draft%scene%grid%cell, largest => largest_cell(draft%scene%grid), &
                widest => law_widest_band(draft%scene%materials(i)%law) &
                /method_band(draft%scene%method%kind))
+      if (cell < widest .and. largest >= widest) then
+        call draft%errors%warn(card%place('fracture_energy'), 'cells grow to '// &
+                               real_text(largest)//', and cells beyond '//real_text(widest)// &
+                               ' hold more elastic energy than a crack of this energy takes: '// &
+                               'there it opens at once', 'lower largest of the card grid, or '// &
+                               'keep cracks where cells are small')
+      end if
       if (cell < widest) return
       call draft%errors%add(card%place('fracture_energy'), 'cells of '//real_text(cell)// &
                             ' hold more elastic energy than a crack of this energy takes', &
@@ -184,6 +191,17 @@ contains
                             ', a lower limit or a higher fracture_energy')
     end associate
   end subroutine check_failure
+
+  !> Side of the largest cells of a grid (length).
+  pure function largest_cell(grid) result(side)
+    type(grid_card_t), intent(in) :: grid
+    real(dp) :: side
+    integer :: axis
+    side = grid%cell
+    do axis = 1, size(grid%axes)
+      if (grid%axes(axis)%graded) side = max(side, grid%cell*maxval(grid%axes(axis)%spacing))
+    end do
+  end function largest_cell
 
   !> Warns of cells that do not resolve the length of a material.
   subroutine check_resolved(card, draft, material)

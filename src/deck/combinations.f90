@@ -96,8 +96,6 @@ module sgmp_combinations
               ask_given, '', 0), &
     feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
     feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
-    feature_t('crack-width', 'fracture_energy=…', 'failure', 'fracture_energy', ask_given, '', 0), &
-    feature_t('toughness', 'toughness=…', 'failure', 'toughness', ask_given, '', 0), &
     feature_t('average', 'length=…', 'failure', 'length', ask_given, '', 0)]
 
   type(refusal_t), parameter :: refusals(*) = [ &
@@ -192,27 +190,15 @@ module sgmp_combinations
     refusal_t('graded', 'mpm gimp cpgimp bspline', '', &
               'their weights are those of equal cells; the auxiliary grid of sgmp has tables', &
               'use method sgmp'), &
-    refusal_t('graded', 'kept', '', &
-              'not worked out: what gases relax to in unequal cells', &
-              'remove volumes=kept, or the fine intervals'), &
-    refusal_t('graded', 'split', '', &
-              'not worked out: places of halves in unequal cells', &
-              'remove split from the card method'), &
-    refusal_t('graded', 'absorbing', '', &
-              'not worked out: what an edge lets out of unequal cells', &
-              'remove that wall, or the fine intervals'), &
-    refusal_t('graded', 'self', '', &
-              'not worked out: how near parts of a body are in unequal cells', &
-              'remove self=yes, or the fine intervals'), &
     refusal_t('graded', 'gauss', '', &
               'Gauss points are those of equal cells', &
               'write layout=graded, which a body at rest has by itself'), &
     refusal_t('graded', 'detonation', '', &
               'a front that has crossed unequal cells leaves pressures worse than coarse cells', &
               'remove that card, or the fine intervals'), &
-    refusal_t('graded', 'crack-width toughness average', '', &
-              'a crack has the width of one cell, and cells are unequal', &
-              'remove it from the card failure, or the fine intervals')]
+    refusal_t('graded', 'average', '', &
+              'averages over a length are worked out for equal cells alone', &
+              'remove length from the card failure, or the fine intervals')]
 
   ! Corrected strains of rings have forces along the axis that are not those which the masses next
   ! to it want (doc/surfaces.md, 6); the rest is not measured widely enough to be a default.

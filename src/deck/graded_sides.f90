@@ -19,7 +19,8 @@ module sgmp_graded_sides
   !> What a deck asks of an axis.
   type :: graded_wish_t
     logical :: open(2) = .true.          !! lower, upper: no end is given
-    logical :: held(2) = .false.         !! the end stays where it is: a wall
+    logical :: held(2) = .false.         !! the end stays where it is: a wall, or an edge
+    logical :: walls(2) = .false.        !! matter ends there: the cell beyond is an image
     real(dp) :: ends(2) = 0.0_dp         !! (length)
     real(dp) :: cell = 1.0_dp            !! smallest side (length)
     real(dp) :: ratio = 1.1_dp           !! largest of the sides of two cells next to each other
@@ -51,11 +52,11 @@ contains
     if (.not. wish%open(2)) ends(2) = fine(1, 1) + wish%cell*sum(sides(before + 1:))
     if (wish%held(2)) ends(2) = wish%ends(2)
     if (.not. wish%open(1)) then
-      axis = graded_make(ends(1), 0, sides, wish%held)
+      axis = graded_make(ends(1), 0, sides, wish%walls)
     else if (.not. wish%open(2)) then
-      axis = graded_make(ends(2), -size(sides), sides, wish%held)
+      axis = graded_make(ends(2), -size(sides), sides, wish%walls)
     else
-      axis = graded_make(fine(1, 1), -before, sides, wish%held)
+      axis = graded_make(fine(1, 1), -before, sides, wish%walls)
     end if
   end subroutine graded_sides
 

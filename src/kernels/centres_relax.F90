@@ -15,7 +15,9 @@ module DIM(sgmp_centres_relax)
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_method, only: method_t
-  use DIM(sgmp_nodes_normalise), only: cell_volume, filled_volumes, least_volume, normalise_factor
+  use DIM(sgmp_nodes_normalise), only: cell_sides, cell_volume, filled_volumes, grade_volumes, &
+                                       least_volume, normalise_factor
+  use sgmp_rows, only: key_j, key_k
   implicit none
   private
   public :: centres_relax
@@ -39,29 +41,35 @@ contains
     type(method_t), intent(in) :: method
     real(dp), intent(in) :: dt
     real(dp) :: least(0:tile + 1), filled(tile), slope2(tile), pressure(tile), jump2(tile), cell
-    integer :: s, first, n, idx
+    real(dp) :: sides(tile)
+    integer :: s, first, n, idx, j, k
     cell = cell_volume(mesh%h)
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
+      j = key_j(field%work%key(s))
+      k = key_k(field%work%key(s))
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
         idx = field%neighbour(0, 0, s) + first
         call least_volume(field, mesh, s, first, n, cell, least)
         call filled_volumes(mesh, cell, axis_correction, first, n, filled)
+        if (mesh%graded) call grade_volumes(mesh, j, k, first, n, filled)
+        call cell_sides(mesh, j, k, first, n, sides)
         call velocity_slopes(field, mesh%inverse_h, s, first, n, slope2)
         call pressure_jumps(field, s, first, n, pressure, jump2)
-        call relax_row(field, n, idx, method, mesh%h, dt, cell, least, filled, slope2, pressure, &
-                       jump2)
+        call relax_row(field, n, idx, method, mesh%h, dt, cell, sides, least, filled, slope2, &
+                       pressure, jump2)
       end do
     end do
   end subroutine centres_relax
 
   !> All of it for the centres of a row.
-  pure subroutine relax_row(field, n, idx, method, h, dt, cell, least, filled, slope2, pressure, &
-                            jump2)
+  pure subroutine relax_row(field, n, idx, method, h, dt, cell, sides, least, filled, slope2, &
+                            pressure, jump2)
     type(field_t), intent(inout) :: field
     integer, intent(in) :: n, idx             !! centres, record of the first
     type(method_t), intent(in) :: method
     real(dp), intent(in) :: h, dt, cell
+    real(dp), intent(in) :: sides(tile)        !! of the cells, the least of each (smallest cell)
     real(dp), intent(in) :: least(0:tile + 1)  !! volume in the rows around
     real(dp), intent(in), dimension(tile) :: filled, slope2, pressure, jump2
     real(dp) :: mass, volume, speed2, courant, velocity(NDIM), square, rate, weight
@@ -76,7 +84,7 @@ contains
         if (mass <= method%cutoff .or. volume <= 0.0_dp) cycle
         interior = min(least(i - 1), least(i), least(i + 1)) > method%interior*cell
         speed2 = field%moment(c, columns%stiffness)/mass
-        courant = dt*sqrt(speed2)/h
+        courant = dt*sqrt(speed2)/(h*sides(i))
         field%relax(c, relax_stiffness) = field%moment(c, columns%stiffness)/volume
         velocity = field%moment(c, columns%momentum:columns%momentum + NDIM - 1)/mass
         square = sum(velocity**2)
@@ -124,7 +132,8 @@ contains
     end if
   end function filling_change
 
-  !> Square of the gradient of the re-mapped velocity at the centres of a row.
+  !> Square of the gradient of the re-mapped velocity at the centres of a row, as if cells were
+  !! equal: of unequal ones it is that of the differences across each, which is what scatters.
   pure subroutine velocity_slopes(field, inverse_h, s, first, n, slope2)
     type(field_t), intent(in) :: field
     real(dp), intent(in) :: inverse_h

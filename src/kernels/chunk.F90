@@ -14,7 +14,7 @@ module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_collisions), only: collisions_apply, collisions_collect, collisions_plan
   use sgmp_columns, only: collide_total, columns_before, columns_t, node_remapped, pair_sums, &
                           relax_stiffness, relax_total, stage_debris, twist_takes, twists
-  use sgmp_constitutive, only: constitutive_t
+  use sgmp_constitutive, only: constitutive_t, law_by_cells
   use sgmp_debris, only: debris_loose, debris_possible, debris_room
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_relabelled, departures_take_out
@@ -348,8 +348,8 @@ contains
                        state(1, body%law%slots%swirl), lane_sums)
     end if
 #endif
-    if (mesh%graded .and. plan%strain .and. body%law%viscous) then
-      work%law%side = contraction_sides(mesh, motion, got(1, task%gradient))
+    if (mesh%graded .and. plan%strain .and. law_by_cells(body%law)) then
+      call measure_cells(mesh, motion, got(1, task%gradient), work%law)
       call update_stress(work%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
     else
@@ -500,13 +500,13 @@ contains
     end do
   end function spacings
 
-  !> Sides of cells by which matter contracts, in the smallest: h tr(D) of the bulk viscosity is
-  !! the sum of h_d D_dd where sides h_d differ by axis, and this is the side h that gives it
-  !! (doc/grids.md, 5); between the smallest and the largest.
-  pure function contraction_sides(mesh, motion, gradient) result(side)
+  !> Tells a law the sides of the cells that a chunk is in (smallest cell). Of the bulk viscosity
+  !! h tr(D) is the sum of h_d D_dd where sides h_d differ by axis; `side` is the h that gives it
+  !! (doc/grids.md, 2), between the smallest and the largest.
+  pure subroutine measure_cells(mesh, motion, gradient, law)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), gradient(lanes, NGRAD)
-    real(dp) :: side(lanes)
+    type(constitutive_t), intent(inout) :: law
     real(dp) :: spacing(lanes, NDIM), trace, way, least, most
     integer :: l, d
     spacing = spacings(mesh, motion)
@@ -523,9 +523,13 @@ contains
         most = max(most, spacing(l, d))
       end do
       way = way/merge(trace, -1.0_dp, trace < 0.0_dp)
-      side(l) = merge(min(max(way, least), most), 1.0_dp, trace < 0.0_dp)
+      law%side(l) = merge(min(max(way, least), most), 1.0_dp, trace < 0.0_dp)
     end do
-  end function contraction_sides
+    law%unequal = .true.
+    if (.not. law%softens) return
+    law%cells(:, :NDIM) = spacing
+    law%cells(:, NDIM + 1:) = spread(sum(spacing, 2)/NDIM, 2, 3 - NDIM)
+  end subroutine measure_cells
 
   !> Settles what the stress of a chunk's debris does in the kick to come (sgmp_settling).
   subroutine settle(body, plan, task, nl, xi, cell, axes, row, records, motion, nb, got, state, &
@@ -1225,7 +1229,7 @@ contains
     do side = -1, 1, 2
       half_motion = motion
       half_state = state
-      call splitting_halve(body%law, task%h, side, axis, offset, gradient, nb, half_motion, &
+      call splitting_halve(body%law, mesh, side, axis, offset, gradient, nb, half_motion, &
                            half_state, share, lane_sums(1, sum_split))
       half = spread(share, 2, size(values, 2))*values
       call collect(mesh, plan%mass, plan%momentum, task%masses, live, half_motion, half)

@@ -458,39 +458,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
-    real(dp) :: t(tile)
-    integer :: a, i
+    integer :: a
     do a = 1, NDIM
-      if (mesh%graded) then
-        call graded_spread(mesh, graded_row(field, s), first, n, &
-                           field%moment(1, field%columns%faces + a - 1), &
-                           centre_rows(field, s, first), f(1, a))
-      else
-        call spread_force(field, s, first, n, field%columns%faces + a - 1, f(:, a))
-      end if
-      if (field%columns%lever == 0) cycle
-      i = field%columns%lever + (a - 1)*NDIM
-      if (mesh%graded) then
-        call graded_divergence(mesh, graded_row(field, s), first, n, field%moment(1, i), &
-#if NDIM > 1
-                               field%moment(1, i + 1), &
-#endif
-#if NDIM > 2
-                               field%moment(1, i + 2), &
-#endif
-                               centre_rows(field, s, first), t)
-        f(:n, a) = f(:n, a) + t(:n)
-        cycle
-      end if
-      call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
-#if NDIM > 1
-                          field%moment(1, i + 1), &
-#endif
-#if NDIM > 2
-                          field%moment(1, i + 2), &
-#endif
-                          centre_rows(field, s, first), t)
-      f(:n, a) = f(:n, a) + t(:n)
+      call hand_faces(field, mesh, s, first, n, field%columns%faces + a - 1, &
+                      field%columns%lever + (a - 1)*NDIM, field%columns%lever > 0, f(1, a))
     end do
 #if NDIM > 1
     if (field%columns%twist > 0) then
@@ -498,6 +469,44 @@ contains
     end if
 #endif
   end subroutine face_forces
+
+  !> A component of what acts on faces at a tile of nodes, with its levers.
+  pure subroutine hand_faces(field, mesh, s, first, n, column, lever, levers, f)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    integer, intent(in) :: column, lever         !! of the component, the first of its levers
+    logical, intent(in) :: levers                !! there are some
+    real(dp), intent(inout) :: f(tile)
+    real(dp) :: t(tile)
+    if (mesh%graded) then
+      call graded_spread(mesh, graded_row(field, s), first, n, field%moment(1, column), &
+                         centre_rows(field, s, first), f)
+    else
+      call spread_force(field, s, first, n, column, f)
+    end if
+    if (.not. levers) return
+    if (mesh%graded) then
+      call graded_divergence(mesh, graded_row(field, s), first, n, field%moment(1, lever), &
+#if NDIM > 1
+                             field%moment(1, lever + 1), &
+#endif
+#if NDIM > 2
+                             field%moment(1, lever + 2), &
+#endif
+                             centre_rows(field, s, first), t)
+    else
+      call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, lever), &
+#if NDIM > 1
+                          field%moment(1, lever + 1), &
+#endif
+#if NDIM > 2
+                          field%moment(1, lever + 2), &
+#endif
+                          centre_rows(field, s, first), t)
+    end if
+    f(:n) = f(:n) + t(:n)
+  end subroutine hand_faces
 
   !> A component of a force at a tile of nodes, of what particles brought to its column.
   pure subroutine spread_force(field, s, first, n, column, f)
@@ -552,25 +561,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n, a
     real(dp), intent(out) :: impedance(tile)
-    real(dp) :: t(tile)
-    integer :: i
-    if (kernel_centred(field%kernel)) then
-      call mean_row(n, field%moment(1, field%columns%impedance + a - 1), &
-                    centre_rows(field, s, first), impedance)
-      i = field%columns%impedance + NDIM + (a - 1)*NDIM
-      call divergence_row(n, mesh%inverse_h*0.5_dp**(NDIM - 1), field%moment(1, i), &
-#if NDIM > 1
-                          field%moment(1, i + 1), &
-#endif
-#if NDIM > 2
-                          field%moment(1, i + 2), &
-#endif
-                          centre_rows(field, s, first), t)
-      impedance(:n) = impedance(:n) + t(:n)
-    else
-      i = field%neighbour(0, 0, s) + first
-      impedance(:n) = field%moment(i:i + n - 1, field%columns%impedance + a - 1)
-    end if
+    integer :: column
+    column = field%columns%impedance
+    call hand_faces(field, mesh, s, first, n, column + a - 1, column + NDIM + (a - 1)*NDIM, &
+                    kernel_centred(field%kernel), impedance)
   end subroutine edge_impedance
 
   !> Records of the centre left of node `first` in the rows of centres around a row of nodes.

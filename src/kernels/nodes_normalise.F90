@@ -13,7 +13,7 @@ module DIM(sgmp_nodes_normalise)
   implicit none
   private
   public :: nodes_normalise
-  public :: cell_volume, filled_volumes, least_volume, normalise_factor
+  public :: cell_sides, cell_volume, filled_volumes, grade_volumes, least_volume, normalise_factor
 
   integer, parameter :: tile = 128
   !> Of solids, a centre less full than this is none of a body's inside, but a gap that closes or a
@@ -134,6 +134,20 @@ contains
       volumes(i) = volumes(i)*(across*graded_width(mesh%axes(1), first + i - 1))
     end do
   end subroutine grade_volumes
+
+  !> Least sides of the cells of a row (smallest cell).
+  pure subroutine cell_sides(mesh, j, k, first, n, sides)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: j, k               !! of the row
+    integer, intent(in) :: first, n           !! first centre, how many
+    real(dp), intent(out) :: sides(n)
+    integer :: i
+    sides = 1.0_dp
+    if (.not. mesh%graded) return
+    sides = graded_width(mesh%axes(1), [(first + i - 1, i=1, n)])
+    if (NDIM > 1) sides = min(sides, graded_width(mesh%axes(NDIM), k))
+    if (NDIM > 2) sides = min(sides, graded_width(mesh%axes(2), j))
+  end subroutine cell_sides
 
   !> Section of the cells of a row across it (smallest cell).
   pure function section_across(mesh, j, k) result(across)

@@ -18,6 +18,7 @@ module DIM(sgmp_sweep)
   use sgmp_body, only: body_t
   use DIM(sgmp_chunk), only: chunk_advance, most_rows, task_make, task_t
   use sgmp_columns, only: averaging_rates, collide_total
+  use sgmp_constitutive, only: law_by_cells
   use sgmp_drive, only: drive_sums
   use sgmp_field, only: field_t
   use sgmp_kernels, only: stencil_width
@@ -76,7 +77,9 @@ contains
         if (bodies(b)%field /= number) cycle
         if (bodies(b)%particles%plane_row(plane) == bodies(b)%particles%plane_row(plane + 1)) cycle
         call fill_records(field, mesh, plan, task, plane, work)
-        if (mesh%graded .and. plan%strain .and. bodies(b)%law%viscous) work%law = bodies(b)%law
+        if (mesh%graded .and. plan%strain) then
+          if (law_by_cells(bodies(b)%law)) work%law = bodies(b)%law
+        end if
         call sweep_plane(mesh, field, bodies(b), plan, task, plane, work%stencil, lane_sums, &
                          size(work%planes, 1), work%planes(1, 1, 1, slot), sums(:, plane, b), &
                          movers(b), work)

@@ -74,7 +74,7 @@ module sgmp_constitutive
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
-  public :: law_gaseous, law_is_spherical, law_is_springy, law_liquid
+  public :: law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -158,6 +158,8 @@ module sgmp_constitutive
     real(dp) :: h = 0.0_dp  !! cell side, the length of the viscosity and of the burn front
     real(dp) :: side(lanes) = 1.0_dp           !! of a chunk where cells are unequal: what the
                                                !! length of the viscosity is times that
+    logical :: unequal = .false.               !! cells are, and these are the sides of a chunk's
+    real(dp) :: cells(lanes, 3) = 1.0_dp       !! along the axes (h); without an axis their mean
   end type constitutive_t
 
 contains
@@ -776,6 +778,12 @@ contains
     law%viscosity = viscosity_read(values)
     law%viscous = law%viscosity%quadratic > 0.0_dp .or. law%viscosity%linear > 0.0_dp
   end subroutine law_set_viscosity
+
+  !> Whether the stress depends on the sides of the cells that matter is in.
+  elemental logical function law_by_cells(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%viscous .or. law%softens
+  end function law_by_cells
 
   !> Whether the stress is a pressure, but for viscosity.
   elemental logical function law_is_spherical(law) result(yes)

@@ -12,7 +12,7 @@ module sgmp_pressure
   use sgmp_kinds, only: dp, lanes
   use sgmp_pores, only: narrow, pores_slow, porous_lanes, squeeze_pores
   use sgmp_porosity, only: porosity_bound_lanes
-  use sgmp_softening, only: softening_damage
+  use sgmp_softening, only: softening_damage, softening_width
   use sgmp_viscosity, only: viscosity_lanes
   implicit none
   private
@@ -83,7 +83,8 @@ contains
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)      !! with the deviator, undamaged
     real(dp), intent(inout) :: mean(lanes), speed2(lanes), work(lanes)
-    real(dp) :: stress(lanes, components), strength(lanes), whole(lanes), missing, left
+    real(dp) :: stress(lanes, components), strength(lanes), whole(lanes), width(lanes)
+    real(dp) :: missing, left
     integer :: l, n, strain
     n = law%slots%stresses
     associate (deviator => b(:, law%slots%stress:law%slots%stress + n - 1), &
@@ -100,7 +101,10 @@ contains
         strength = 1.0_dp
         if (law%slots%strength > 0) strength = b(:, law%slots%strength)
         strain = merge(law%slots%averaged, law%slots%plastic, law%slots%averaged > 0)
-        call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, damage)
+        width = 1.0_dp
+        if (law%unequal) width = softening_width(law%cells, stress)
+        call softening_damage(law%failure, law%softening, stress, b(1, strain), strength, width, &
+                              damage)
       end if
       do l = 1, lanes
         left = 1.0_dp - damage(l)

@@ -16,14 +16,14 @@
 !!     D = (ep - e) L yield(e)/(2 Gc)                                                  (F3)
 !!
 !! D does not fall again. A band wider than 2 Gc M/s^2 would have to give back energy:
-!! R is above 1.
+!! R is above 1. Where cells are unequal the band is as wide as they are along the tension.
 module sgmp_softening
   use sgmp_failure, only: failure_none, failure_t, largest_principal_stress
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
   public :: softening_t, softening_make, softening_widest
-  public :: softening_regain, softening_damage, softening_left
+  public :: softening_regain, softening_damage, softening_left, softening_width
 
   integer, parameter :: components = 6           !! of a stress in space
   real(dp), parameter :: nothing_left = 1.0e-6_dp  !! of the strength: it has failed
@@ -95,14 +95,31 @@ contains
     end do
   end subroutine softening_regain
 
+  !> Lane kernel: width of the cells across a crack: the mean of their sides along the axes, each
+  !! weighted by the tension along it; without any, as in a band of shear, of all.
+  pure function softening_width(cells, stress) result(width)
+    real(dp), intent(in) :: cells(lanes, 3)            !! sides along the axes
+    real(dp), intent(in) :: stress(lanes, components)  !! in Voigt's order
+    real(dp) :: width(lanes)
+    real(dp) :: pull(3)
+    integer :: l
+    do l = 1, lanes
+      pull = max(stress(l, :3), 0.0_dp)
+      if (.not. any(pull > 0.0_dp)) pull = 1.0_dp
+      width(l) = sum(cells(l, :)*pull)/sum(pull)
+    end do
+  end function softening_width
+
   !> Lane kernel: damage of what undamaged matter would carry, which `strength` multiplies the
   !! limits of.
-  pure subroutine softening_damage(law, softening, stress, plastic_strain, strength, damage)
+  pure subroutine softening_damage(law, softening, stress, plastic_strain, strength, width, &
+                                   damage)
     type(failure_t), intent(in) :: law
     type(softening_t), intent(in) :: softening
     real(dp), intent(in) :: stress(lanes, components)  !! in Voigt's order
     real(dp), intent(in) :: plastic_strain(lanes)      !! equivalent
     real(dp), intent(in) :: strength(lanes)
+    real(dp), intent(in) :: width(lanes)               !! of the band, over that of `softening`
     real(dp), intent(inout) :: damage(lanes)
     real(dp) :: left, weaker
     integer :: l
@@ -111,15 +128,16 @@ contains
       weaker = 1.0_dp/strength(l)
       if (law%tension < failure_none) then
         left = min(left, softening_left(weaker*sum(stress(l, :3))/(3.0_dp*law%tension), &
-                                        weaker**2*softening%mean))
+                                        weaker**2*softening%mean/width(l)))
       end if
       if (law%principal_stress < failure_none) then
         left = min(left, softening_left(weaker*largest_principal_stress(stress(l, :)) &
-                                        /law%principal_stress, weaker**2*softening%principal))
+                                        /law%principal_stress, &
+                                        weaker**2*softening%principal/width(l)))
       end if
       if (law%plastic_strain < failure_none) then
         left = min(left, 1.0_dp - (plastic_strain(l) - strength(l)*law%plastic_strain) &
-                                  /softening%plastic)
+                                  *width(l)/softening%plastic)
       end if
       damage(l) = merge(1.0_dp - left, 1.0_dp, left > nothing_left)
     end do

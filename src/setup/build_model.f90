@@ -33,7 +33,7 @@ module sgmp_build_model
   use sgmp_lost_policy, only: lost_reflect, lost_remove
   use sgmp_material_history, only: slots_ask, slots_first_values, slots_t
   use sgmp_material_weight, only: stress_energy
-  use sgmp_mesh, only: mesh_find, mesh_make, mesh_place, mesh_places, mesh_t
+  use sgmp_mesh, only: mesh_find, mesh_make, mesh_place, mesh_places, mesh_sides, mesh_t
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -45,7 +45,7 @@ module sgmp_build_model
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
-  use sgmp_scene, only: body_card_t, scene_space, scene_t, time_card_t
+  use sgmp_scene, only: body_card_t, layout_graded, scene_space, scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
                           seeding_generate, survey_t
   use sgmp_self_contact, only: self_labels
@@ -340,6 +340,7 @@ contains
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       call set_flaws(mesh, body)
+      if (card%layout == layout_graded) call set_stretch(mesh, body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)
@@ -560,6 +561,23 @@ contains
       call set_factor(law%scatter%weibull, law%scatter%seed, law%slots%yield_factor, body%particles)
     end associate
   end subroutine set_strength
+
+  !> Stretches of particles that lie as many between any two centres begin with the ratios of their
+  !! sides, where there is a column for them.
+  subroutine set_stretch(mesh, body)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    integer :: c, l, s
+    s = body%law%slots%stretch
+    if (s == 0) return
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        if (body%particles%id(l, c) == 0) cycle
+        body%particles%state(l, s:s + mesh%ndim - 1, c) = &
+          mesh_sides(mesh, body%particles%motion(l, :mesh%ndim, c))
+      end do
+    end do
+  end subroutine set_stretch
 
   !> Columns of flaws, where matter has them.
   pure subroutine ask_flaws(flaws, rigid, slots)

@@ -124,10 +124,8 @@ class Scene:
         """Unequal cells, where nothing of the scene forbids them (doc/grids.md, 6). Bodies have particles of half a
         cell, as they must."""
         text = "\n".join(self.lines)
-        if self.method != "sgmp" or self.split or re.search(
-                r"volumes=kept|split=|absorbing|self=yes|^detonation |fracture_energy"
-                r"|toughness=|^failure .* length=| file file=| explosive ", text,
-                re.MULTILINE):
+        if self.method != "sgmp" or re.search(
+                r"^detonation |^failure .* length=| file file=| explosive ", text, re.MULTILINE):
             return
         luck = self.stream("unequal cells")
         if luck.random() < 0.1:

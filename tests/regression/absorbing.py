@@ -270,6 +270,45 @@ def water(report):
             report.check(left["free"] > 0.8, f"water {name} {method}: {left['free']:.4f} is left between walls")
 
 
+def unequal(report):
+    """The same bars, ground and tanks of unequal cells, up to twice as large at the edge or away from it."""
+    for fine in ("(30,50)", "(70,80)"):
+        for update in ("musl", "usf", "usl", "usavg"):
+            name = f"unequal_bar_{fine[1:3]}_{update}"
+            deck = BAR.replace("x=0:$upper", f"x=0:$upper fine_x={fine} ratio=1.1 largest=2").replace(
+                "ppc=2", "ppc=2 layout=graded")
+            result = run(name, deck, update=update)
+            if not report.finished(result, name):
+                continue
+            rows, history = result.table("particles_end.csv"), result.table("history.csv")
+            back = max(abs(row["velocity_x"] + row["stress_xx"])/2 for row in rows if row["x"] < 76)/PULSE
+            print(f"{name}: {back:.4f} comes back")
+            report.check(back < 0.02, f"{name}: {back:.4f} of the pulse comes back")
+            taken = result["absorbing_edges.energy_taken"]
+            report.check(abs(taken + result["energy.external_work"]) < 1e-10*taken, f"{name}: takes {taken}")
+            report.check(abs(taken - 9e-6) < (0.1 if update == "usl" else 0.05)*9e-6, f"{name}: takes {taken} of 9e-6")
+            momentum = sum(row["mass"]*row["velocity_x"] for row in rows)
+            gained = history[0]["momentum_x"] + result["absorbing_edges.impulse"][0]
+            report.check(abs(gained - momentum) < 1e-10*history[0]["momentum_x"], f"{name}: momentum {momentum}")
+    for fine in ("fine_y=(10,14)", "fine_x=(0,2) fine_y=(0,4)"):
+        name = f"unequal_ground_{len(fine)}"
+        result = run(name, GROUND.replace("y=0:20", f"y=0:20 {fine} ratio=1.2 largest=2"))
+        if report.finished(result, name):
+            fastest = max(hypot(row["velocity_x"], row["velocity_y"]) for row in result.table("particles_end.csv"))
+            print(f"{name}: moves at {fastest}")
+            # With cells of 2 all over it is 1.1e-5, and as much on a fixed wall.
+            report.check(fastest < 2e-5, f"{name}: moves at {fastest}")
+    deck = WATER.format(dimension="axisymmetric", grid="r=0:4 z=0:40 fine_r=(0,2) fine_z=(30,40) ratio=1.2 largest=2",
+                        walls="r+=slip z-=slip z+=absorbing", lower="0,0", upper="4,40", axis="z").replace(
+                            "ppc=2", "ppc=2 layout=graded")
+    result = run("unequal_rings", deck)
+    if report.finished(result, "unequal_rings"):
+        left = max(abs(row["velocity_z"]) for row in result.table("particles_end.csv"))/(0.5*PULSE)
+        print(f"unequal_rings: {left:.4f} is left")
+        # With cells of 1 all over it is 0.24, of 2 0.51.
+        report.check(left < 0.45, f"unequal_rings: {left:.4f} of the pulse is left")
+
+
 def springs(report):
     """What pushes for ever: with the place of the source edges bear it, and the displacement at 20 is that of an
     endless solid, p R^3/(4 G r^2) of a sphere and p R^2/(2 G r) of a cylinder (Lame). Without it, the edges are free
@@ -309,6 +348,7 @@ def main():
     bars(report)
     rest(report)
     water(report)
+    unequal(report)
     springs(report)
     oblique(report)
     report.end()

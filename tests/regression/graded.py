@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Grids with unequal cells (doc/grids.md): flight, stress at rest, spin, torsion, a bar that rings and one that is
-pulled, a shock, impact beside equal cells; the same bits whatever the threads and ranks, and after a restart; what
---check says.
+pulled, a shock, a crack, particles that come into smaller cells, impact beside equal cells; the same bits whatever the
+threads and ranks, and after a restart; what --check says.
 
 usage: graded.py SGMP SOURCE_DIR SCRATCH_DIR
 
@@ -202,6 +202,43 @@ checkpoint every=25 keep=9
 output csv at=end fields=damage,plastic_strain,stress,mass
 output vtu
 output tecplot
+"""
+# A bar that is weaker in a seam is pulled apart between two weights and cracks there.
+CRACK = """
+parameter at = 0
+parameter seam = 0.4
+dimension 1
+units mm g ms
+grid cell=0.05 x=open fine_x=(-3.2,-2) ratio=1.2 largest=0.3
+time end=0.06 cfl=0.3
+material glass j2 density=2.5e-3 young=70000 poisson=0.2 yield=1e5
+material seam j2 density=2.5e-3 young=70000 poisson=0.2 yield=1e5
+material weight elastic density=50 young=1.4e9 poisson=0.2
+failure glass principal_stress=100 fracture_energy=0.1
+failure seam principal_stress=50 fracture_energy=0.1
+body left block material=glass lower=-2 upper=at layout=graded ppc=2
+body seam block material=seam lower=at upper=at+seam layout=graded ppc=2
+body right block material=glass lower=at+seam upper=2 layout=graded ppc=2
+body low block material=weight lower=-3 upper=-2 layout=graded ppc=2
+body high block material=weight lower=2 upper=3 layout=graded ppc=2
+velocity low x=-0.1
+velocity high x=0.1
+velocity left x="0.1*x/2"
+velocity seam x="0.1*x/2"
+velocity right x="0.1*x/2"
+history every=1e-2
+"""
+# A plate of large particles flies into small cells.
+COMES = """
+dimension 2
+grid cell=0.05 x=open y=open fine_x=(1.5,2.5) ratio=1.2 largest=0.2
+method sgmp split=0.75
+time end=0.5 cfl=0.5
+material m elastic density=1 young=1 poisson=0.3
+body b block material=m lower=(-0.8,-0.4) upper=(0.8,0.4) layout=graded ppc=2
+velocity b x=4
+history steps=5
+output csv at=end fields=stress,mass
 """
 UNIFORM = ((" fine_x=(0,6) fine_y=(0,6) ratio=1.2 largest=4", ""),)
 
@@ -407,6 +444,15 @@ def pressed(report):
         one, two = (result["energy.external_work"] for result in (first, equal))
         report.check(abs(one/two - 1) < 0.03, f"pushed: work {one}, with equal cells {two}")
     report.check(abs(first["energy.drift"]) < 0.02, f"pushed: energy drifts by {first['energy.drift']}")
+    rubbed = PRESSED.format(
+        dimension="axisymmetric", words="", size="(0,0) upper=(4,4)", steps=1, stress="",
+        axes="r=open fine_r=(0,1) z=open fine_z=(0,1)", loads="traction b z=1e-3 face=r+",
+    )
+    result = run("rubbed", rubbed)
+    if report.finished(result, "rubbed"):  # the outer face of a cylinder, 2 pi 4 4, after half a step
+        row = result.table("history.csv")[-1]
+        found = row["momentum_z"]/(1e-3*32*math.pi*row["dt"]/2)
+        report.check(abs(found - 1) < 1e-9, f"rubbed: {found} of the force on the outer face")
 
 
 def turned(report):
@@ -458,11 +504,38 @@ def told(report):
     report.check(len(told_cells) == 1 and 120 < told_cells[0] < 200, f"--check: cells of the bar\n{text}")
 
 
+def crack(report):
+    """The energy that a crack takes is that of the deck, 0.1 N/mm, in cells of 0.05 and of 0.3 mm."""
+    for at, seam in ((-1.9, 0.2), (0, 0.4)):
+        result = run(f"crack_{seam}", CRACK, at=at, seam=seam)
+        if report.finished(result, f"crack {seam}"):
+            energy = sum(row["internal_energy"] for row in result.table("bodies.csv")[-5:-2])
+            report.check(0.09 < energy < 0.115, f"crack {seam}: it took {energy}")
+
+
+def comes(report):
+    """What flies from large cells into small ones is split there, and stays free of stress."""
+    result = run("comes", COMES)
+    if not report.finished(result, "comes"):
+        return
+    rows = result.table("particles_end.csv")
+    mass = sum(row["mass"] for row in rows)
+    report.check(abs(mass - 1.28) < 1e-12, f"comes: mass {mass}")
+    off = max(max(abs(row["velocity_x"] - 4), abs(row["velocity_y"])) for row in rows)
+    report.check(off < 1e-10, f"comes: velocity off by {off}")
+    # Sides along x are at most 0.75 of a cell, along y, where cells are equal, those of the start, 0.025.
+    small = [row for row in rows if 1.6 < row["x"] < 2.4]
+    report.check(max(row["mass"] for row in small) <= 0.75*0.05*0.025*(1 + 1e-9), "comes: some are whole")
+    filled = {int((row["x"] - 1.6)/0.05) for row in small}
+    report.check(filled == set(range(16)), f"comes: cells that are empty: {set(range(16)) - filled}")
+    report.check(min(row["mass"] for row in rows) > 0.2*0.05*0.025, "comes: some are split too far")
+
+
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, rings, torsion, expand, leave, spin, bar, pulled, shock, impact, pressed, turned, seen,
-                  told):
+    for check in (flights, rest, rings, torsion, expand, leave, spin, bar, pulled, shock, impact, pressed, turned,
+                  crack, comes, seen, told):
         check(report)
     report.end()
 

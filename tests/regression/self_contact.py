@@ -146,13 +146,19 @@ def blocks(dimension, method, self_):
 
 def as_two(report):
     """One body of two blocks, and two bodies."""
-    for dimension, method in (
-        ("2", "mpm update=musl"), ("2", "gimp update=usavg"), ("2", "bspline update=usf"),
-        ("2", "sgmp stress=plain rotation=plain surfaces=plain update=usl"), ("axisymmetric", "mpm update=usavg"),
+    plain = "sgmp stress=plain rotation=plain surfaces=plain"
+    equal = "grid cell=1"
+    unequal = "grid cell=0.5 x=open y=open fine_x=(15,25) fine_y=(2,6) ratio=1.2 largest=1"
+    for dimension, method, grid in (
+        ("2", "mpm update=musl", equal), ("2", "gimp update=usavg", equal), ("2", "bspline update=usf", equal),
+        ("2", f"{plain} update=usl", equal), ("axisymmetric", "mpm update=usavg", equal),
+        ("2", f"{plain} update=musl", unequal), ("axisymmetric", f"{plain} update=usavg", unequal.replace(
+            " x=open y=open fine_x=", " r=open z=open fine_z=").replace("fine_y=", "fine_r=")),
     ):
-        name = dimension + "_" + "_".join(method.split()[:2])
-        one = straight(report, f"one_{name}", blocks(dimension, method, True))
-        two = straight(report, f"two_{name}", blocks(dimension, method, False))
+        name = dimension + "_" + "_".join([method.split()[0], method.split()[-1]]) + "_unequal"*(grid != equal)
+        one, two = (
+            straight(report, f"{number}_{name}", blocks(dimension, method, number == "one").replace(equal, grid))
+            for number in ("one", "two"))
         report.check(two["energy.contact_dissipation"] > 1e-3*two["energy.initial_total"], f"{name}: no collision")
         for key in ("energy.kinetic", "energy.internal", "energy.contact_dissipation"):
             a, b = one[key], two[key]

@@ -23,6 +23,14 @@ SPACES = {
     "rings_swirl": KEPT_RINGS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes")
     + "velocity gas spin=0.1\n",
 }
+# The same boxes with cells of unequal sides.
+UNEQUAL = "ratio=1.2 largest=2"
+SPACES |= {
+    "line_unequal": KEPT_LINE.replace("x=0:20", f"x=0:20 fine_x=(6,9) {UNEQUAL}"),
+    "plane_unequal": KEPT_PLANE.replace("y=0:20", f"y=0:20 fine_x=(2,4) fine_y=(4,7) {UNEQUAL}"),
+    "rings_unequal": KEPT_RINGS.replace("z=0:18", f"z=0:18 fine_r=(0,2) fine_z=(8,11) {UNEQUAL}"),
+    "space_unequal": KEPT_SPACE.replace("z=0:18", f"z=0:18 fine_z=(3,6) {UNEQUAL}"),
+}
 
 
 def settles(report):

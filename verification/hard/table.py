@@ -145,7 +145,9 @@ class Table:
         lines += [f"* {', '.join(dict.fromkeys(who))}: {why}." for why, who in reasons.items()]
         lines += [""]*bool(reasons)
         if case["commands"]:
-            lines += [f"First row: `{case['commands'][0]}`; the other methods and rows by `--set`.", ""]
+            deck, _, words = case["commands"][0].partition(" --set ")
+            words = f" with\n`--set {words}`" if words else ""
+            lines += [f"First row: `{deck}`{words};\nthe other methods and rows by `--set`.", ""]
         lines += [f"![{name}]({folder}/{name}.png)\n\n{caption}\n" for name, caption in case["pictures"]]
         return "\n".join(lines)
 

@@ -16,13 +16,14 @@ module sgmp_absorbing_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, eos_none
   use sgmp_errors, only: error_make, error_t, exit_deck
+  use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
   use sgmp_kinds, only: dp, lanes
-  use sgmp_lattice, only: lattice_tolerance
+  use sgmp_lattice, only: lattice_t, lattice_tolerance
   use sgmp_load, only: load_absorbing, load_t
-  use sgmp_mesh, only: mesh_places, mesh_position, mesh_t
+  use sgmp_mesh, only: mesh_place, mesh_places, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_any, parallel_max
-  use sgmp_scene, only: body_card_t, grid_card_t, layout_lattice
+  use sgmp_scene, only: body_card_t, grid_card_t, layout_graded, layout_lattice
   use sgmp_shapes, only: shapes_inside
   use sgmp_space, only: axis_names
   use sgmp_turn, only: turn_back, turn_forth
@@ -97,6 +98,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
+    type(lattice_t) :: lattice
     real(dp) :: weight(3), x(3)
     logical :: beyond, faceless
     integer :: c, i, l, mass
@@ -105,6 +107,9 @@ contains
     x = 0.0_dp
     weight = 0.0_dp
     mass = motion_mass(mesh%ndim)
+    if (body%absorbs .and. card%layout == layout_graded) then
+      call graded_faces_lay(card, mesh%ndim, lattice)
+    end if
     do i = 1, size(body%loads)
       if (body%loads(i)%kind /= load_absorbing) cycle
       do c = 1, body%particles%chunks
@@ -114,7 +119,7 @@ contains
                                         body%particles%motion(l, :mesh%ndim, c))
           if (body%stressed) weight = body%particles%motion(l, mass, c)/ &
                                       body%particles%state(l, body%law%slots%volume, c)*gravity
-          call fill_particle(card, mesh, weight, body%loads(i), body%spacing, &
+          call fill_particle(card, mesh, lattice, weight, body%loads(i), body%spacing, &
                              body%law%slots%stress, body%law%slots%stresses, x, &
                              body%particles%state(l, :, c), beyond, faceless)
         end do
@@ -131,10 +136,11 @@ contains
   end subroutine absorbing_fill
 
   !> The columns of one particle and one edge.
-  pure subroutine fill_particle(card, mesh, weight, load, spacing, stress, stresses, x, state, &
-                                beyond, faceless)
+  pure subroutine fill_particle(card, mesh, lattice, weight, load, spacing, stress, stresses, x, &
+                                state, beyond, faceless)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
+    type(lattice_t), intent(in) :: lattice       !! of unequal cells, where the body has it
     real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
     type(load_t), intent(in) :: load
     real(dp), intent(in) :: spacing
@@ -142,26 +148,37 @@ contains
     real(dp), intent(in) :: x(3)
     real(dp), intent(inout) :: state(:)
     logical, intent(inout) :: beyond, faceless
-    real(dp) :: area(3), outward, to_edge
-    integer :: n
+    real(dp) :: area(3), face(3), outward, to_edge, length, shows
+    integer :: n, at(3)
     n = mesh%ndim
     outward = real(2*load%side - 3, dp)
-    to_edge = outward*(mesh_position(mesh%origin(load%axis), mesh%h, &
-                                     real(mesh%edge(load%side, load%axis), dp)) - x(load%axis))
-    if (to_edge >= spacing) return
+    to_edge = outward*(mesh_place(mesh, load%axis, real(mesh%edge(load%side, load%axis), dp)) - &
+                       x(load%axis))
+    length = spacing
+    if (card%layout == layout_graded) then
+      at = graded_faces_place(lattice, x)
+      length = lattice%length(at(load%axis), load%axis)
+    end if
+    if (to_edge >= length) return
     beyond = beyond .or. to_edge <= 0.0_dp
-    if (card%layout /= layout_lattice .or. card%jitter > 0.0_dp) then
+    if (all(card%layout /= [layout_graded, layout_lattice]) .or. card%jitter > 0.0_dp) then
       faceless = .true.
       return
     end if
-    area = area_shown(card, load, n, spacing, x, state(1))
-    faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*spacing)
+    if (card%layout == layout_graded) then
+      call graded_faces_shown(card, lattice, at, load%axis, load%side, x, state(1), face, shows)
+      area = 0.0_dp
+      area(load%axis) = outward*shows
+    else
+      area = area_shown(card, load, n, spacing, x, state(1))
+    end if
+    faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*length)
     if (all(abs(area) <= 0.0_dp)) return
     state(load%column:load%column + n - 1) = area(:n)
     associate (rest => state(load%column + n:load%column + 2*n - 1))
       rest = outward*across(state(stress:stress + stresses - 1), load%axis, n)
       ! At the face, half a spacing from where the stress is known.
-      rest(load%axis) = rest(load%axis) - 0.5_dp*spacing*weight(load%axis)
+      rest(load%axis) = rest(load%axis) - 0.5_dp*length*weight(load%axis)
     end associate
   end subroutine fill_particle
 

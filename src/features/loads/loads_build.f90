@@ -5,17 +5,18 @@ module sgmp_loads_build
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_t
+  use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
   use sgmp_kinds, only: dp, lanes
-  use sgmp_lattice, only: lattice_graded, lattice_t, lattice_tolerance
+  use sgmp_lattice, only: lattice_t, lattice_tolerance
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
   use sgmp_material_history, only: slots_ask
-  use sgmp_mesh, only: mesh_place, mesh_places, mesh_position, mesh_t, wall_free
+  use sgmp_mesh, only: mesh_place, mesh_places, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
   use sgmp_scene, only: body_card_t, layout_graded, load_card_t, scene_t
-  use sgmp_shapes, only: shapes_anchor, shapes_box, shapes_inside
+  use sgmp_shapes, only: shapes_inside
   use sgmp_text, only: integer_text, real_text_about
-  use sgmp_turn, only: turn_back, turn_box, turn_forth
+  use sgmp_turn, only: turn_back, turn_forth
   use sgmp_units, only: units_sizes
   implicit none
   private
@@ -136,7 +137,7 @@ contains
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
-    if (owner%layout == layout_graded) call lay_graded(owner, n, lattice)
+    if (owner%layout == layout_graded) call graded_faces_lay(owner, n, lattice)
     associate (particles => body%particles)
       allocate (terms(sums, particles%chunks), source=0.0_dp)
       do c = 1, particles%chunks
@@ -270,21 +271,7 @@ contains
     if (any(shown == 2) .and. all(shown /= 1)) counts(squeezed) = counts(squeezed) + 1.0_dp
   end subroutine count_faces
 
-  !> The lattice of a body between the centres of unequal cells, as seeding lays it: it does not
-  !! turn with the body.
-  subroutine lay_graded(owner, ndim, lattice)
-    type(body_card_t), intent(in) :: owner
-    integer, intent(in) :: ndim
-    type(lattice_t), intent(out) :: lattice
-    real(dp) :: lower(3), upper(3)
-    integer :: status
-    call shapes_box(owner%shapes, lower, upper)
-    if (ndim > 1) call turn_box(owner%turn, lower, upper)
-    call lattice_graded(lower, upper, shapes_anchor(owner%shapes), owner%axes(:ndim), owner%cell, &
-                        owner%ppc, lattice, status)
-  end subroutine lay_graded
-
-  !> The same as faces_of on such a lattice, whose particles differ in size.
+  !> The same as faces_of on the lattice of unequal cells, whose particles differ in size.
   subroutine faces_graded(card, owner, mesh, lattice, x, volume, area, counts)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
@@ -294,31 +281,21 @@ contains
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
     real(dp), intent(inout) :: counts(sums)
-    real(dp) :: next(3), face(3), length
-    integer :: axis, side, shown(3), at, beside
+    real(dp) :: face(3), shows
+    integer :: axis, side, shown(3), at(3)
     area = 0.0_dp
     shown = 0
+    at = graded_faces_place(lattice, x)
     do axis = 1, mesh%ndim
-      associate (places => lattice%coordinate(:lattice%count(axis), axis))
-        at = minloc(abs(places - x(axis)), dim=1)
-        length = lattice%length(at, axis)
-        do side = 1, 2
-          if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
-          beside = at + 2*side - 3
-          if (beside >= 1 .and. beside <= size(places)) then
-            next = x
-            next(axis) = places(beside)
-            call turn_back(owner%turn, next)
-            if (shapes_inside(owner%shapes, next, mesh%ndim, lattice%margin)) cycle
-          end if
-          face = x
-          face(axis) = x(axis) + (side - 1.5_dp)*length
-          if (borne_by_wall(mesh, length, face)) cycle
-          if (.not. chosen(card%where, face, counts(unclear))) cycle
-          area(axis) = area(axis) + (2*side - 3)*volume/length
-          shown(axis) = shown(axis) + 1
-        end do
-      end associate
+      do side = 1, 2
+        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
+        call graded_faces_shown(owner, lattice, at, axis, side, x, volume, face, shows)
+        if (.not. shows > 0.0_dp) cycle
+        if (borne_by_wall(mesh, lattice%length(at(axis), axis), face)) cycle
+        if (.not. chosen(card%where, face, counts(unclear))) cycle
+        area(axis) = area(axis) + (2*side - 3)*shows
+        shown(axis) = shown(axis) + 1
+      end do
     end do
     call count_faces(area, shown, counts)
   end subroutine faces_graded
@@ -335,7 +312,7 @@ contains
       walls = mesh_place(mesh, axis, real([mesh%lower(axis), mesh%upper(axis)], dp))
       yes = yes .or. any(mesh%wall(:, axis) /= wall_free .and. &
                          abs(face(axis) - walls) < on_wall*spacing)
-      edges = mesh_position(mesh%origin(axis), mesh%h, real(mesh%edge(:, axis), dp))
+      edges = mesh_place(mesh, axis, real(mesh%edge(:, axis), dp))
       yes = yes .or. any(mesh%absorbs(:, axis) .and. abs(face(axis) - edges) < on_edge*spacing)
     end do
   end function borne_by_wall

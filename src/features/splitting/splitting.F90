@@ -3,17 +3,18 @@
 !> Splits particles that have been stretched so far that they would leave gaps between them
 !! (doc/volumes.md, 5): which of a chunk, along which axis, and what each half is.
 !!
-!! A particle stands for a box whose sides have the ratios of its stretches and whose volume is the
-!! particle's. What happens to it depends on nothing but the particle, the velocity gradient that
-!! strains it and the faces of the grid, so that the same particles are split whatever threads and
-!! ranks do.
+!! A particle stands for a box whose sides have the ratios of its stretches, which begin with those
+!! of its sides at the start, and whose volume is the particle's. What happens to it depends on
+!! nothing but the particle, the velocity gradient that strains it and the faces of the grid, so
+!! that the same particles are split whatever threads and ranks do.
 module DIM(sgmp_splitting)
 #ifdef AXISYMMETRIC
   use sgmp_axis, only: axis_cell
 #endif
   use sgmp_constitutive, only: constitutive_t, law_is_spherical
+  use sgmp_graded_axis, only: graded_advance, graded_between, graded_place
   use sgmp_kinds, only: dp, lanes
-  use sgmp_mesh, only: mesh_occupied, mesh_t
+  use sgmp_mesh, only: mesh_occupied, mesh_sides, mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_splitting_type, only: splitting_t
   implicit none
@@ -25,9 +26,11 @@ module DIM(sgmp_splitting)
 
 contains
 
-  !> Which particles of a chunk are to be split: the axis, 0 for none, and how far from it (cells)
-  !! the centres of the halves will lie. Where one of these would lie outside the grid, or beyond
-  !! the next bin, the particle waits; one that has failed stands for no space and is left alone.
+  !> Which particles of a chunk are to be split: the axis, 0 for none, and how far from it (smallest
+  !! cell) the centres of the halves will lie. Where one of these would lie outside the grid, or
+  !! beyond the next bin, the particle waits; one that has failed stands for no space and is left
+  !! alone. Sides are compared with those of the cell in which a particle is: where it comes into
+  !! smaller ones it is split.
   !!
   !! Solids are judged by their longest side. A fluid shears without end, its sides are taken from
   !! what happened to it lately and it is judged by the mean side, so that splitting ends.
@@ -45,7 +48,7 @@ contains
     real(dp), intent(inout) :: state(lanes, nb)        !! a fluid's stretches are renewed
     integer, intent(out) :: axis(lanes)
     real(dp), intent(out) :: offset(lanes)
-    real(dp) :: side(NDIM), mean, longest_path
+    real(dp) :: side(NDIM), cell(NDIM), mean, longest_path
     logical :: fluid, long(lanes)
     integer :: l
     axis = 0
@@ -62,11 +65,13 @@ contains
       if (.not. long(l)) cycle
       associate (stretch => state(l, law%slots%stretch:law%slots%stretch + NDIM - 1))
         mean = mesh_occupied(mesh, motion(l, :NDIM), state(l, law%slots%volume))**(1.0_dp/NDIM)
-        side = stretch*(mean/product(stretch)**(1.0_dp/NDIM))
+        cell = mesh_sides(mesh, motion(l, :NDIM))
+        side = stretch/cell
+        side = side*(mean/product(side)**(1.0_dp/NDIM))
         if (fluid) then
           side = max(mean/widest_ratio, min(mean*widest_ratio, side))
           side = side*(mean/product(side)**(1.0_dp/NDIM))
-          stretch = side/(2.0_dp*half_size)
+          stretch = side*cell/(2.0_dp*half_size)
         end if
         if (merge(mean, maxval(side), fluid) <= splitting%limit) cycle
         if (state(l, law%slots%path) >= longest_path) cycle
@@ -74,9 +79,11 @@ contains
           if (state(l, law%slots%damage) >= 1.0_dp) cycle
         end if
         axis(l) = maxloc(side, 1)
-        offset(l) = 0.25_dp*side(axis(l))
+        offset(l) = 0.25_dp*side(axis(l))*cell(axis(l))
 #ifdef AXISYMMETRIC
-        if (axis(l) == 1) offset(l) = min(offset(l), 0.5_dp*motion(l, 1))  ! a ring ends at the axis
+        if (axis(l) == 1) then                           ! a ring ends at the axis
+          offset(l) = min(offset(l), 0.5_dp*graded_place(mesh%axes(1), motion(l, 1)))
+        end if
 #endif
         if (.not. fits(mesh, motion(l, :NDIM), extent(:, axis(l)), xi(l, axis(l)), axis(l), &
                        offset(l))) axis(l) = 0
@@ -92,6 +99,7 @@ contains
     integer, intent(in) :: nl
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), volume(lanes), stretch(lanes, NDIM)
     logical, intent(out) :: long(lanes)
+    real(dp) :: inverse(lanes, NDIM), spacing(lanes), lower(lanes), place(lanes)
     real(dp) :: cell, whole, longest
     integer :: l, d
 #ifdef AXISYMMETRIC
@@ -99,15 +107,22 @@ contains
 #else
     cell = 0.999_dp*limit**NDIM*mesh%h**NDIM
 #endif
+    inverse = 1.0_dp
+    if (mesh%graded) then
+      do d = 1, NDIM
+        call graded_between(mesh%axes(d), lanes, motion(1, d), spacing, lower, place)
+        inverse(:, d) = 1.0_dp/spacing
+      end do
+    end if
     do l = 1, nl
       whole = stretch(l, 1)
-      longest = stretch(l, 1)
+      longest = stretch(l, 1)*inverse(l, 1)
       do d = 2, NDIM
         whole = whole*stretch(l, d)
-        longest = max(longest, stretch(l, d))
+        longest = max(longest, stretch(l, d)*inverse(l, d))
       end do
 #ifdef AXISYMMETRIC
-      whole = whole*motion(l, 1)
+      whole = whole*graded_place(mesh%axes(1), motion(l, 1))
 #endif
       long(l) = longest**NDIM*volume(l) > cell*whole
     end do
@@ -117,12 +132,17 @@ contains
   !! in.
   pure function fits(mesh, x, extent, xi, axis, offset) result(yes)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: x(NDIM), extent(2), xi, offset
+    real(dp), intent(in) :: x(NDIM), extent(2), xi
     integer, intent(in) :: axis
+    real(dp), intent(in) :: offset                     !! (smallest cell)
     logical :: yes
+    real(dp) :: low, high, origin
+    low = graded_advance(mesh%axes(axis), x(axis), -offset)
+    high = graded_advance(mesh%axes(axis), x(axis), offset)
+    origin = x(axis) - xi
     yes = all(x >= mesh%lower(:NDIM) .and. x <= mesh%upper(:NDIM)) .and. &
-           x(axis) - offset >= mesh%lower(axis) .and. x(axis) + offset <= mesh%upper(axis) .and. &
-           xi - offset >= extent(1) - 1.0_dp .and. xi + offset < extent(2) + 1.0_dp
+          low >= mesh%lower(axis) .and. high <= mesh%upper(axis) .and. &
+          low - origin >= extent(1) - 1.0_dp .and. high - origin < extent(2) + 1.0_dp
   end function fits
 
   !> Makes one half of each particle that is split: side -1 or +1. The halves lie at a quarter of
@@ -135,34 +155,39 @@ contains
   !! stays, those along the radius from the whole's place, so that an expansion stays one. With
   !! swirl both turn at the rate that keeps the moment of momentum, (1 + 3 (offset/radius)^2)^-1 of
   !! the whole's.
-  pure subroutine splitting_halve(law, h, side, axis, offset, gradient, nb, motion, state, share, &
-                                  kinetic)
+  pure subroutine splitting_halve(law, mesh, side, axis, offset, gradient, nb, motion, state, &
+                                  share, kinetic)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: h                          !! cell side (length)
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: side, axis(lanes)
-    real(dp), intent(in) :: offset(lanes), gradient(lanes, NGRAD)
+    real(dp), intent(in) :: offset(lanes)              !! (smallest cell)
+    real(dp), intent(in) :: gradient(lanes, NGRAD)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(out) :: share(lanes)              !! of the half in the whole
     real(dp), intent(inout) :: kinetic(lanes)
     real(dp) :: change, way(NDIM)
+#ifdef AXISYMMETRIC
+    real(dp) :: radius
+#endif
     integer :: l, d
     share = 0.5_dp
     do l = 1, lanes
       if (axis(l) == 0) cycle
       way = side*offset(l)
 #ifdef AXISYMMETRIC
+      radius = graded_place(mesh%axes(1), motion(l, 1))
       if (axis(l) == 1) then
-        share(l) = 0.5_dp*(1.0_dp + side*offset(l)/motion(l, 1))
-        way(2) = way(2) - offset(l)**2/motion(l, 1)
-        kinetic(l) = kinetic(l) + share(l)*motion(l, mass_at)*motion(l, before_v + 1)*way(1)*h* &
-                     gradient(l, 1)
+        share(l) = 0.5_dp*(1.0_dp + side*offset(l)/radius)
+        way(2) = way(2) - offset(l)**2/radius
+        kinetic(l) = kinetic(l) + share(l)*motion(l, mass_at)*motion(l, before_v + 1)*way(1)* &
+                     mesh%h*gradient(l, 1)
       end if
 #endif
-      motion(l, axis(l)) = motion(l, axis(l)) + side*offset(l)
+      motion(l, axis(l)) = graded_advance(mesh%axes(axis(l)), motion(l, axis(l)), side*offset(l))
       motion(l, mass_at) = share(l)*motion(l, mass_at)
       do d = 1, NDIM
-        change = way(d)*h*gradient(l, (d - 1)*NDIM + axis(l))
+        change = way(d)*mesh%h*gradient(l, (d - 1)*NDIM + axis(l))
         motion(l, before_v + d) = motion(l, before_v + d) + change
         kinetic(l) = kinetic(l) + 0.5_dp*motion(l, mass_at)*change**2
       end do
@@ -174,7 +199,7 @@ contains
         end if
 #ifdef AXISYMMETRIC
         if (slots%swirl > 0 .and. axis(l) == 1) then
-          call halve_swirl(side*offset(l), motion(l, 1), motion(l, mass_at), &
+          call halve_swirl(side*offset(l), radius + side*offset(l), motion(l, mass_at), &
                            state(l, slots%swirl), kinetic(l))
         end if
 #endif
@@ -188,7 +213,7 @@ contains
   !> The moment v_theta X of a half of a ring split across the radius, and what it has of kinetic
   !! energy beyond its share of the whole's.
   pure subroutine halve_swirl(way, radius, mass, moment, kinetic)
-    real(dp), intent(in) :: way, radius    !! from the whole, of the half (cells)
+    real(dp), intent(in) :: way, radius    !! from the whole, of the half (smallest cell)
     real(dp), intent(in) :: mass
     real(dp), intent(inout) :: moment, kinetic
     real(dp) :: whole, part
