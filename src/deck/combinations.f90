@@ -90,7 +90,6 @@ module sgmp_combinations
     feature_t('damping-kinetic', 'damping kinetic=yes', 'damping', 'kinetic', ask_yes, '', 0), &
     feature_t('erode', '', 'erode', '', ask_card, '', 0), &
     feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
-    feature_t('faces', 'a load on faces', 'pressure traction blast', '', ask_card, '', 0), &
     feature_t('blast', '', 'blast', '', ask_card, '', 0), &
     feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', &
               ask_given, '', 0), &
@@ -166,9 +165,6 @@ module sgmp_combinations
     refusal_t('absorbing', 'swirl', '', &
               'not worked out: what it does to waves around the axis', &
               'remove swirl, or put the edge where no wave comes in time'), &
-    refusal_t('absorbing', 'split', '', &
-              'faces of particles are not split', &
-              'remove split from the card method, or the edge'), &
     refusal_t('wallfriction', '1D', '', &
               'nothing slides along a wall', &
               'remove this card'), &
@@ -181,9 +177,6 @@ module sgmp_combinations
     refusal_t('erode-step', 'cfl=auto dt', '', &
               'it needs steps that follow a Courant number', &
               'write time … cfl=0.3'), &
-    refusal_t('faces', 'split', '', &
-              'faces of particles are not split', &
-              'remove split from the card method, or this card'), &
     refusal_t('blast', '2D', '', &
               'the blast of a charge is a sphere, not a cylinder', &
               'write dimension axisymmetric or dimension 3'), &

@@ -23,12 +23,14 @@ module DIM(sgmp_chunk)
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
   use sgmp_graded_axis, only: graded_between
-  use DIM(sgmp_graded_loads), only: graded_loads_factor, graded_loads_sides, graded_loads_slopes
+  use DIM(sgmp_graded_loads), only: graded_loads_aside, graded_loads_sides, &
+                                    graded_loads_slopes, graded_loads_twist
   use sgmp_kernels, only: bin_span, kernel_centred, kernel_sgmp, stencil_shift, stencil_width
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
-  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_impedance, loads_levers, &
-                             loads_on_faces, loads_on_mass, loads_spring, loads_strain, loads_twist
+  use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_halve, loads_impedance, &
+                             loads_levers, loads_on_faces, loads_on_mass, loads_spring, &
+                             loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -1082,8 +1084,11 @@ contains
         if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
                                               loads_levers(mesh, motion, xi + way, way, &
                                                            plan%corrected), cell, force, stencil)
+        if (task%centred .and. mesh%graded) call scatter_aside(mesh, task, plan%faces + NDIM, &
+                                                               motion, way, xi + way, cell, &
+                                                               force, stencil)
         if (plan%corrected) call scatter_twists(mesh, task, plan%faces + NDIM + NDIM**2, motion, &
-                                                xi + way, cell, force, stencil)
+                                                way, xi + way, cell, force, stencil)
       end if
       if (body%loads(i)%kind == load_absorbing) call scatter_impedance(mesh, body%loads(i), plan, &
                                         task, id, nb, motion, state, xi, cell, axes, way, stencil)
@@ -1119,6 +1124,8 @@ contains
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
                                           loads_levers(mesh, motion, place, way, .false.), cell, &
                                           impedance, stencil)
+    if (task%centred .and. mesh%graded) call scatter_aside(mesh, task, before + NDIM, motion, way, &
+                                                           place, cell, impedance, stencil)
   end subroutine scatter_impedance
 
   !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an
@@ -1142,27 +1149,54 @@ contains
     end do
   end subroutine scatter_levers
 
-  !> Adds force times two and three levers to the centres, for the products of the functions that
-  !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
-  pure subroutine scatter_twists(mesh, task, before, motion, place, cell, force, stencil)
+  !> Adds what the centres of unequal cells get beside levers (sgmp_graded_loads).
+  pure subroutine scatter_aside(mesh, task, before, motion, way, place, cell, force, stencil)
     type(mesh_t), intent(in) :: mesh
     type(task_t), intent(in) :: task
     integer, intent(in) :: before, cell(lanes)   !! before: columns
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
-    real(dp), intent(in) :: place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM), force(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: ends(lanes, NDIM), sides(lanes, NDIM), slopes(lanes, NDIM, 2), lever(lanes)
+    real(dp) :: aside(lanes, NDIM, 2), end(lanes, NDIM)
+    integer :: a, b, side
+    aside = graded_loads_aside(mesh, motion, way)
+    do b = 1, NDIM
+      do side = 0, 1
+        end = place
+        end(:, b) = side
+        aside(:, b, side + 1) = aside(:, b, side + 1)* &
+                                merge(place(:, b), 1.0_dp - place(:, b), side == 1)
+        do a = 1, NDIM
+          call linear_scatter(1, end, cell, force(:, a)*aside(:, b, side + 1), task%nq, &
+                              stencil(1, before + (a - 1)*NDIM + b, 1))
+        end do
+      end do
+    end do
+  end subroutine scatter_aside
+
+  !> Adds force times two and three levers to the centres, for the products of the functions that
+  !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
+  pure subroutine scatter_twists(mesh, task, before, motion, way, place, cell, force, stencil)
+    type(mesh_t), intent(in) :: mesh
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: ends(lanes, NDIM), lever(lanes)
+    real(dp) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2), aside(lanes, NDIM, 2)
     integer :: a, q, corner, sign
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
+      aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1
         call twist_ends(q, corner, place, ends, sign)
         if (sign == 0) cycle
         lever = loads_twist(q, place)
-        if (mesh%graded) lever = lever*graded_loads_factor(q, corner, sides, slopes)
+        if (mesh%graded) lever = graded_loads_twist(q, corner, place, sides, slopes, aside)
         do a = 1, NDIM
           call linear_scatter(1, ends, cell, sign*force(:, a)*lever, task%nq, &
                               stencil(1, before + (q - 1)*NDIM + a, 1))
@@ -1231,6 +1265,7 @@ contains
       half_state = state
       call splitting_halve(body%law, mesh, side, axis, offset, gradient, nb, half_motion, &
                            half_state, share, lane_sums(1, sum_split))
+      if (body%faced) call loads_halve(body, side, axis, share, nb, half_state)
       half = spread(share, 2, size(values, 2))*values
       call collect(mesh, plan%mass, plan%momentum, task%masses, live, half_motion, half)
       if (task%square > 0) then

@@ -18,10 +18,7 @@ module DIM(sgmp_nodes)
                           node_swirl, node_total, node_velocity
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
-  use CARTESIAN(sgmp_graded_rows), only: graded_divergence, graded_spread
-#ifdef AXISYMMETRIC
-  use CARTESIAN(sgmp_graded_rows), only: graded_hoop_force
-#endif
+  use CARTESIAN(sgmp_graded_rows), only: graded_divergence
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
@@ -386,19 +383,12 @@ contains
                             centre_rows(field, s, first), f(1, a))
       end do
 #ifdef AXISYMMETRIC
-      if (mesh%graded) then
-        call graded_hoop_force(mesh, graded_row(field, s), first, n, field%hoop(first - 1, 1), &
-                               field%hoop(first - 1, 2), field%moment(1, before + NFLUX), &
-                               centre_rows(field, s, first), f(1, 1))
-      else
-        call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), &
-                            field%hoop(first - 1, 2), field%moment(1, before + NFLUX), &
-                            centre_rows(field, s, first), f(1, 1))
-      end if
+      call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
+                          field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
 #endif
 #if NDIM > 1
       if (field%columns%corrected) then
-        call surfaces_push(field, mesh, s, first, centre_rows(field, s, first), n, f)
+        call surfaces_push(field, first, centre_rows(field, s, first), n, f)
       end if
 #endif
     else
@@ -465,7 +455,7 @@ contains
     end do
 #if NDIM > 1
     if (field%columns%twist > 0) then
-      call surfaces_push_twists(field, mesh, s, first, centre_rows(field, s, first), n, f)
+      call surfaces_push_twists(field, centre_rows(field, s, first), n, f)
     end if
 #endif
   end subroutine face_forces
@@ -479,12 +469,7 @@ contains
     logical, intent(in) :: levers                !! there are some
     real(dp), intent(inout) :: f(tile)
     real(dp) :: t(tile)
-    if (mesh%graded) then
-      call graded_spread(mesh, graded_row(field, s), first, n, field%moment(1, column), &
-                         centre_rows(field, s, first), f)
-    else
-      call spread_force(field, s, first, n, column, f)
-    end if
+    call spread_force(field, s, first, n, column, f)
     if (.not. levers) return
     if (mesh%graded) then
       call graded_divergence(mesh, graded_row(field, s), first, n, field%moment(1, lever), &

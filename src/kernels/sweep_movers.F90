@@ -8,7 +8,8 @@ module DIM(sgmp_sweep_movers)
                              task_t, twist_ends
   use sgmp_columns, only: twists
   use sgmp_field, only: field_t
-  use DIM(sgmp_graded_loads), only: graded_loads_factor, graded_loads_sides, graded_loads_slopes
+  use DIM(sgmp_graded_loads), only: graded_loads_aside, graded_loads_sides, &
+                                    graded_loads_slopes, graded_loads_twist
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_force
   use DIM(sgmp_loads), only: loads_levers, loads_on_faces, loads_twist
@@ -170,30 +171,58 @@ contains
         w(:, :NCORNER, i) = corners
         levers(:, :, i) = loads_levers(mesh, motion, xi + way, way, plan%corrected)
         call linear_gradients(xi + way, 1.0_dp, g(:, :, :NDIM, i))
-        if (plan%corrected) call twist_weights(mesh, motion, xi + way, g(:, :, NDIM + 1:, i))
+        if (mesh%graded) call aside_weights(mesh, motion, way, xi + way, levers(:, :, i), &
+                                            g(:, :, :NDIM, i))
+        if (plan%corrected) call twist_weights(mesh, motion, way, xi + way, &
+                                               g(:, :, NDIM + 1:, i))
       end if
     end do
   end subroutine mover_faces
 
-  !> Derivatives of the corners' weights along the axes of each twist, times their levers.
-  pure subroutine twist_weights(mesh, motion, place, g)
+  !> Derivatives of the corners' weights times levers, which are 1 then, with what centres of
+  !! unequal cells get beside them (sgmp_graded_loads).
+  pure subroutine aside_weights(mesh, motion, way, place, levers, g)
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), place(lanes, NDIM)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM)
+    real(dp), intent(inout) :: levers(lanes, NDIM), g(lanes, NCORNER, NDIM)
+    real(dp) :: aside(lanes, NDIM, 2), ends(lanes, NDIM), w(lanes, NCORNER), share(lanes)
+    integer :: b, side
+    aside = graded_loads_aside(mesh, motion, way)
+    do b = 1, NDIM
+      g(:, :, b) = spread(levers(:, b), 2, NCORNER)*g(:, :, b)
+      do side = 0, 1
+        ends = place
+        ends(:, b) = side
+        call linear_weights(ends, w)
+        share = merge(place(:, b), 1.0_dp - place(:, b), side == 1)*aside(:, b, side + 1)
+        g(:, :, b) = g(:, :, b) + spread(share, 2, NCORNER)*w
+      end do
+    end do
+    levers = 1.0_dp
+  end subroutine aside_weights
+
+  !> Derivatives of the corners' weights along the axes of each twist, times their levers.
+  pure subroutine twist_weights(mesh, motion, way, place, g)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM)
     real(dp), intent(out) :: g(lanes, NCORNER, twists(NDIM))
     real(dp) :: ends(lanes, NDIM), w(lanes, NCORNER), lever(lanes)
-    real(dp) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2)
+    real(dp) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2), aside(lanes, NDIM, 2)
     integer :: q, corner, sign
     g = 0.0_dp
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
+      aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1
         call twist_ends(q, corner, place, ends, sign)
         if (sign == 0) cycle
         lever = loads_twist(q, place)
-        if (mesh%graded) lever = lever*graded_loads_factor(q, corner, sides, slopes)
+        if (mesh%graded) lever = graded_loads_twist(q, corner, place, sides, slopes, aside)
         call linear_weights(ends, w)
         g(:, :, q) = g(:, :, q) + sign*spread(lever, 2, NCORNER)*w
       end do

@@ -9,9 +9,6 @@ module DIM(sgmp_auxmesh)
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_slopes
-#ifdef AXISYMMETRIC
-  use CARTESIAN(sgmp_graded_rows), only: graded_hoop
-#endif
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -70,15 +67,9 @@ contains
         end do
 #ifdef AXISYMMETRIC
         if (kernel_centred(field%kernel)) then
-          if (mesh%graded) then
-            call graded_hoop(mesh, graded_row(field, s), first, n, field%hoop(first, 1), &
-                             field%hoop(first, 2), field%node(1, gradient), &
-                             node_rows(field, s, first), stride, records(q + 1, point))
-          else
-            call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
-                           field%node(1, gradient), node_rows(field, s, first), stride, &
-                           records(q + 1, point))
-          end if
+          call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
+                         field%node(1, gradient), node_rows(field, s, first), stride, &
+                         records(q + 1, point))
         end if
 #endif
       end do

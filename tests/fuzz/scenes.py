@@ -203,7 +203,7 @@ class Scene:
             self.removes = policy == "remove"
             self.walls = self.walls or policy == "reflect"
             card, more = "wall " + " ".join(walls), []
-            if self.has_further("edges", 0.6) and not (self.swirl or self.split):
+            if self.has_further("edges", 0.6) and not self.swirl:
                 card, more = further.walls(self.stream("kinds of edges"), card, self.axes, True)
             self.absorbs, self.rubs = "absorbing" in card, bool(more)
             self.lines += [card, f"lost {policy}", *more]
@@ -460,7 +460,7 @@ class Scene:
         for name, block in self.deforming.items():
             luck = self.stream(f"forces on {name}")
             for _ in range(luck.choice((1, 2)) if self.draws(f"forces {name}", 0.5) else 0):
-                faces = block.lattice and not self.split
+                faces = block.lattice
                 small = any(f" {name.replace('b', 'm', 1)} elastic" in f" {line[8:]}" and "strain=small" in line
                             for line in self.lines)
                 card, pushes = latest.force(luck, name, self.axes, block, faces, self.dimension == 1 or small,

@@ -203,6 +203,21 @@ output csv at=end fields=damage,plastic_strain,stress,mass
 output vtu
 output tecplot
 """
+# Water in a basin, at rest under gravity.
+BASIN = """
+parameter words = fine_x=(1,2)
+dimension 2
+grid cell=1/16 x=0:2 y=0:open $words ratio=1.2 largest=1/8
+wall x-=slip x+=slip y-=slip
+time end=6 cfl=0.4
+gravity (0,-1)
+material water fluid density=1
+eos water tait c0=15
+body basin block material=water lower=(0,0) upper=(2,1) ppc=2
+initial_stress basin surface=1
+history steps=20
+output csv at=end
+"""
 # A bar that is weaker in a seam is pulled apart between two weights and cracks there.
 CRACK = """
 parameter at = 0
@@ -504,6 +519,16 @@ def told(report):
     report.check(len(told_cells) == 1 and 120 < told_cells[0] < 200, f"--check: cells of the bar\n{text}")
 
 
+def basin(report):
+    """Water at rest stays at rest, whatever direction cells grow in, in the time in which a body falls through eighteen
+    times the depth."""
+    for number, words in enumerate(("fine_x=(1,2)", "fine_y=(0,0.4)", "fine_x=(0.5,1.2) fine_y=(0.3,0.6)")):
+        result = run(f"basin_{number}", BASIN.replace("$words", words).replace("parameter words = fine_x=(1,2)", ""))
+        if report.finished(result, f"basin {words}"):
+            speed = max(math.hypot(row["velocity_x"], row["velocity_y"]) for row in result.table("particles_end.csv"))
+            report.check(speed < 2e-3, f"basin {words}: velocity {speed}")
+
+
 def crack(report):
     """The energy that a crack takes is that of the deck, 0.1 N/mm, in cells of 0.05 and of 0.3 mm."""
     for at, seam in ((-1.9, 0.2), (0, 0.4)):
@@ -535,7 +560,7 @@ def main():
     """All checks."""
     report = Report()
     for check in (flights, rest, rings, torsion, expand, leave, spin, bar, pulled, shock, impact, pressed, turned,
-                  crack, comes, seen, told):
+                  basin, crack, comes, seen, told):
         check(report)
     report.end()
 

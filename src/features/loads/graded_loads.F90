@@ -3,11 +3,11 @@
 !> Forces on faces where cells are unequal (doc/loads.md, doc/grids.md): levers in the spacings of
 !! the centres between which particles are.
 !!
-!! At a centre stresses see what is linear between the nodes around it, by which forces on faces
-!! are handed to the nodes, too (graded_spread). Between two centres that are H apart they see
-!! -H xi (1 - xi)/2 (g_c+1 - g_c) more, g the derivative at a centre: the levers of equal cells,
-!! with H in the place of the side. Particles read both nodes with 1/2, which is what is linear at a
-!! place somewhat off theirs (graded_loads_aside).
+!! Between two centres that are H apart stresses see -H xi (1 - xi)/2 (g_c+1 - g_c) more than forces
+!! on faces, g the derivative at a centre: the levers of equal cells, with H in the place of the
+!! side. Along the normal they see at a centre what is linear between the nodes around it, where centres
+!! hand forces to both nodes alike: what is missing is the force of a stress at the centre, too
+!! (graded_loads_aside).
 module DIM(sgmp_graded_loads)
   use sgmp_columns, only: twist_takes
   use sgmp_graded_axis, only: graded_spacing, graded_width
@@ -16,7 +16,7 @@ module DIM(sgmp_graded_loads)
   use sgmp_motion, only: motion_total
   implicit none
   private
-  public :: graded_loads_aside, graded_loads_factor, graded_loads_sides, graded_loads_slopes
+  public :: graded_loads_aside, graded_loads_sides, graded_loads_slopes, graded_loads_twist
 
 contains
 
@@ -31,17 +31,24 @@ contains
     end do
   end function graded_loads_sides
 
-  !> Way from where the velocities that particles read are those of the nodes to where they are
-  !! (smallest cell).
-  pure function graded_loads_aside(mesh, motion) result(way)
+  !> Stresses at the centres below and above per force on a face and weight there, along each axis,
+  !! as far as it is the normal (length): how far a centre is from the middle of its nodes.
+  pure function graded_loads_aside(mesh, motion, way) result(aside)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
-    real(dp) :: way(lanes, NDIM), xi(lanes)
-    integer :: d, c(lanes)
+    real(dp), intent(in) :: way(lanes, NDIM)       !! from the particle to its face (cells)
+    real(dp) :: aside(lanes, NDIM, 2)
+    real(dp) :: normal(lanes, NDIM), square(lanes)
+    integer :: c(lanes), d, side
+    normal = (graded_loads_sides(mesh, motion)*way)**2
+    square = max(sum(normal, dim=2), tiny(1.0_dp))
     do d = 1, NDIM
       c = below(motion(:, d))
-      xi = motion(:, d) - (c + 0.5_dp)
-      way(:, d) = (1.0_dp - xi)*aside(mesh, d, c) + xi*aside(mesh, d, c + 1)
+      do side = 1, 2
+        aside(:, d, side) = 0.25_dp*mesh%h*normal(:, d)/square* &
+                            (graded_spacing(mesh%axes(d), c + side) - &
+                             graded_spacing(mesh%axes(d), c + side - 1))
+      end do
     end do
   end function graded_loads_aside
 
@@ -58,19 +65,27 @@ contains
     end do
   end function graded_loads_slopes
 
-  !> Product along the axes of a twist of the spacings times the slopes, at one corner.
-  pure function graded_loads_factor(twist, corner, sides, slopes) result(factor)
+  !> Product of the levers along the axes of a twist times the slopes, at one corner; forces push
+  !! against second differences and along third ones (sgmp_surfaces).
+  pure function graded_loads_twist(twist, corner, place, sides, slopes, aside) result(lever)
     integer, intent(in) :: twist, corner         !! bits: upper ends
+    real(dp), intent(in) :: place(lanes, NDIM)   !! of the force, from the centre below (cells)
     real(dp), intent(in) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2)
-    real(dp) :: factor(lanes)
-    integer :: d
-    factor = 1.0_dp
+    real(dp), intent(in) :: aside(lanes, NDIM, 2)  !! graded_loads_aside (smallest cell)
+    real(dp) :: lever(lanes)
+    integer :: d, axes, side
+    lever = 1.0_dp
+    axes = 0
     do d = 1, NDIM
-      if (twist_takes(twist, d, NDIM)) then
-        factor = factor*(sides(:, d)*slopes(:, d, merge(2, 1, btest(corner, d - 1))))
-      end if
+      if (.not. twist_takes(twist, d, NDIM)) cycle
+      side = merge(2, 1, btest(corner, d - 1))
+      lever = lever*slopes(:, d, side)* &
+              (0.5_dp*sides(:, d)*place(:, d)*(1.0_dp - place(:, d)) + &
+               merge(place(:, d)*aside(:, d, 2), (place(:, d) - 1.0_dp)*aside(:, d, 1), side == 2))
+      axes = axes + 1
     end do
-  end function graded_loads_factor
+    if (axes == 2) lever = -lever
+  end function graded_loads_twist
 
   !> The centre below a coordinate.
   elemental function below(x) result(c)
@@ -78,13 +93,5 @@ contains
     integer :: c
     c = floor(x - 0.5_dp)
   end function below
-
-  !> How far a centre is from the middle of the nodes around it, (1/2 - low) h_c (smallest cell).
-  elemental function aside(mesh, axis, c) result(way)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: axis, c
-    real(dp) :: way
-    way = 0.25_dp*(graded_spacing(mesh%axes(axis), c) - graded_spacing(mesh%axes(axis), c + 1))
-  end function aside
 
 end module DIM(sgmp_graded_loads)

@@ -26,8 +26,8 @@ module DIM(sgmp_loads)
   use sgmp_sums, only: sum_applied, sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
-  public :: loads_book, loads_book_strain, loads_impedance, loads_levers, loads_on_faces, &
-            loads_on_mass, loads_spring, loads_strain, loads_twist
+  public :: loads_book, loads_book_strain, loads_halve, loads_impedance, loads_levers, &
+            loads_on_faces, loads_on_mass, loads_spring, loads_strain, loads_twist
 
 contains
 
@@ -201,7 +201,7 @@ contains
       call loads_on_faces(mesh, body, body%loads(i), time, live, nb, motion, state, force, way, &
                           some)
       if (.not. some) cycle
-      if (mesh%graded) way = way*graded_loads_sides(mesh, motion) + graded_loads_aside(mesh, motion)
+      if (mesh%graded) call grade_way(mesh, motion, way)
       do a = 1, NDIM
         do b = 1, NDIM
           sums(:, sum_applied) = sums(:, sum_applied) + dt*mesh%h*force(:, a)*way(:, b)* &
@@ -210,6 +210,22 @@ contains
       end do
     end do
   end subroutine loads_book_strain
+
+  !> The way to faces in smallest cells, as far as forces there do work on the strain.
+  pure subroutine grade_way(mesh, motion, way)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: way(lanes, NDIM)
+    real(dp) :: aside(lanes, NDIM, 2), xi(lanes)
+    integer :: d
+    aside = graded_loads_aside(mesh, motion, way)
+    way = way*graded_loads_sides(mesh, motion)
+    do d = 1, NDIM
+      xi = motion(:, d) - 0.5_dp
+      xi = xi - floor(xi)
+      way(:, d) = way(:, d) - mesh%inverse_h*((1.0_dp - xi)*aside(:, d, 1) + xi*aside(:, d, 2))
+    end do
+  end subroutine grade_way
 
   !> Levers of forces on faces along each axis (length), the gradients of the centres' weights per
   !! cell left out.
@@ -280,6 +296,36 @@ contains
       end associate
     end do
   end subroutine loads_strain
+
+  !> Faces of one half of the particles that are split (sgmp_splitting): those along the axis of the
+  !! split are cut as the volume is, those across it belong to the half on their side, with what
+  !! little they have along it.
+  pure subroutine loads_halve(body, side, axis, share, nb, state)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: side, axis(lanes)       !! -1 or +1; 0: not split
+    real(dp), intent(in) :: share(lanes)           !! of the half in the volume
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: state(lanes, nb)
+    real(dp), parameter :: little = 0.1_dp
+    real(dp) :: across, along
+    integer :: i, l
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_force) cycle
+      do l = 1, lanes
+        if (axis(l) == 0) cycle
+        associate (area => state(l, body%loads(i)%column:body%loads(i)%column + NDIM - 1))
+          across = area(axis(l))
+          along = sqrt(max(sum(area**2) - across**2, 0.0_dp))
+          if (along < little*abs(across)) then
+            if (side*across < 0.0_dp) area = 0.0_dp
+          else
+            area = share(l)*area
+            area(axis(l)) = merge(across, 0.0_dp, side*across > 0.0_dp)
+          end if
+        end associate
+      end do
+    end do
+  end subroutine loads_halve
 
   !> Lets edges with springs bear more, or less, by the way of a step: what they bear at rest grows
   !! by -k/r times it, and by a part across them that fades (sgmp_absorbing_build).
