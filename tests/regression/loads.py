@@ -257,10 +257,6 @@ def mistakes(report):
             "have no known faces",
         ),
         ("a rigid body", "history", "rigid ball x=1\nhistory", "is rigid"),
-        (
-            "split particles", "method $method update=$update", "method $method update=$update split=1",
-            "faces of particles are not split",
-        ),
         ("a table without rows", "rows=(0,0),(2,1),(3,0.5)", "", "either a file or rows"),
         ("rows that do not grow", "(2,1),(3,0.5)", "(2,1),(2,0.5)", "t = 2 does not follow t = 2"),
         ("a table twice", "table push", "table pull", "'pull' is defined twice"),

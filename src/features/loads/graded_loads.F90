@@ -5,9 +5,9 @@
 !!
 !! Between two centres that are H apart stresses see -H xi (1 - xi)/2 (g_c+1 - g_c) more than forces
 !! on faces, g the derivative at a centre: the levers of equal cells, with H in the place of the
-!! side. Along the normal they see at a centre what is linear between the nodes around it, where centres
-!! hand forces to both nodes alike: what is missing is the force of a stress at the centre, too
-!! (graded_loads_aside).
+!! side. Along the normal they see at a centre what is linear between the nodes around it, where
+!! centres hand forces to both nodes alike: what is missing is the force of a stress at the centre,
+!! too (graded_loads_aside).
 module DIM(sgmp_graded_loads)
   use sgmp_columns, only: twist_takes
   use sgmp_graded_axis, only: graded_spacing, graded_width
