@@ -1084,22 +1084,26 @@ contains
         if (task%centred) call scatter_levers(task, plan%faces + NDIM, xi + way, &
                                               loads_levers(mesh, motion, xi + way, way, &
                                                            plan%corrected), cell, force, stencil)
-        if (task%centred .and. mesh%graded) call scatter_aside(mesh, task, plan%faces + NDIM, &
-                                                               motion, way, xi + way, cell, &
-                                                               force, stencil)
-        if (plan%corrected) call scatter_twists(mesh, task, plan%faces + NDIM + NDIM**2, motion, &
-                                                way, xi + way, cell, force, stencil)
+        if (task%centred .and. mesh%graded .and. .not. body%linear) then
+          call scatter_aside(mesh, task, plan%faces + NDIM, motion, way, xi + way, cell, force, &
+                             stencil)
+        end if
+        if (plan%corrected) call scatter_twists(mesh, body%linear, task, &
+                                                plan%faces + NDIM + NDIM**2, motion, way, &
+                                                xi + way, cell, force, stencil)
       end if
-      if (body%loads(i)%kind == load_absorbing) call scatter_impedance(mesh, body%loads(i), plan, &
-                                        task, id, nb, motion, state, xi, cell, axes, way, stencil)
+      if (body%loads(i)%kind == load_absorbing) call scatter_impedance(mesh, body%linear, &
+                                        body%loads(i), plan, task, id, nb, motion, state, xi, &
+                                        cell, axes, way, stencil)
     end do
   end subroutine scatter_faces
 
   !> Adds the impedance of faces at an absorbing edge where they are, but not beyond the cell of
   !! their particle: weights that are continued further are negative.
-  pure subroutine scatter_impedance(mesh, load, plan, task, id, nb, motion, state, xi, cell, axes, &
-                                    way, stencil)
+  pure subroutine scatter_impedance(mesh, linear, load, plan, task, id, nb, motion, state, xi, &
+                                    cell, axes, way, stencil)
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: linear                !! of the body's field
     type(load_t), intent(in) :: load
     type(plan_t), intent(in) :: plan
     type(task_t), intent(in) :: task
@@ -1124,8 +1128,9 @@ contains
     if (task%centred) call scatter_levers(task, before + NDIM, place, &
                                           loads_levers(mesh, motion, place, way, .false.), cell, &
                                           impedance, stencil)
-    if (task%centred .and. mesh%graded) call scatter_aside(mesh, task, before + NDIM, motion, way, &
-                                                           place, cell, impedance, stencil)
+    if (task%centred .and. mesh%graded .and. .not. linear) then
+      call scatter_aside(mesh, task, before + NDIM, motion, way, place, cell, impedance, stencil)
+    end if
   end subroutine scatter_impedance
 
   !> Adds force times lever to the centres (sgmp_loads). The derivative of a linear weight along an
@@ -1159,7 +1164,7 @@ contains
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: aside(lanes, NDIM, 2), end(lanes, NDIM)
     integer :: a, b, side
-    aside = graded_loads_aside(mesh, motion, way)
+    aside = graded_loads_aside(mesh, .false., motion, way)
     do b = 1, NDIM
       do side = 0, 1
         end = place
@@ -1176,8 +1181,10 @@ contains
 
   !> Adds force times two and three levers to the centres, for the products of the functions that
   !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
-  pure subroutine scatter_twists(mesh, task, before, motion, way, place, cell, force, stencil)
+  pure subroutine scatter_twists(mesh, linear, task, before, motion, way, place, cell, force, &
+                                 stencil)
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: linear                !! of the body's field
     type(task_t), intent(in) :: task
     integer, intent(in) :: before, cell(lanes)   !! before: columns
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
@@ -1189,7 +1196,7 @@ contains
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
-      aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
+      aside = mesh%inverse_h*graded_loads_aside(mesh, linear, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1

@@ -18,7 +18,10 @@ module DIM(sgmp_nodes)
                           node_swirl, node_total, node_velocity
   use sgmp_driven_nodes, only: driven_nodes_solve, driven_nodes_velocity
   use sgmp_field, only: field_t
-  use CARTESIAN(sgmp_graded_rows), only: graded_divergence
+  use CARTESIAN(sgmp_graded_rows), only: graded_divergence, graded_spread
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_hoop_force
+#endif
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_kick, wall_speed
@@ -361,7 +364,7 @@ contains
     if (kernel_centred(field%kernel)) then
       do a = 1, NDIM
         if (mesh%graded) then
-          call graded_divergence(mesh, graded_row(field, s), first, n, &
+          call graded_divergence(mesh, field%linear, graded_row(field, s), first, n, &
                                  field%moment(1, before + flux_of(a, 1)), &
 #if NDIM > 1
                                  field%moment(1, before + flux_of(a, 2)), &
@@ -383,12 +386,20 @@ contains
                             centre_rows(field, s, first), f(1, a))
       end do
 #ifdef AXISYMMETRIC
-      call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
-                          field%moment(1, before + NFLUX), centre_rows(field, s, first), f(1, 1))
+      if (mesh%graded) then
+        call graded_hoop_force(mesh, field%linear, graded_row(field, s), first, n, &
+                               field%hoop(first - 1, 1), field%hoop(first - 1, 2), &
+                               field%moment(1, before + NFLUX), &
+                               centre_rows(field, s, first), f(1, 1))
+      else
+        call add_hoop_force(n, mesh%inverse_h, field%hoop(first - 1, 1), &
+                            field%hoop(first - 1, 2), field%moment(1, before + NFLUX), &
+                            centre_rows(field, s, first), f(1, 1))
+      end if
 #endif
 #if NDIM > 1
       if (field%columns%corrected) then
-        call surfaces_push(field, first, centre_rows(field, s, first), n, f)
+        call surfaces_push(field, mesh, s, first, centre_rows(field, s, first), n, f)
       end if
 #endif
     else
@@ -455,7 +466,7 @@ contains
     end do
 #if NDIM > 1
     if (field%columns%twist > 0) then
-      call surfaces_push_twists(field, centre_rows(field, s, first), n, f)
+      call surfaces_push_twists(field, mesh, s, first, centre_rows(field, s, first), n, f)
     end if
 #endif
   end subroutine face_forces
@@ -469,10 +480,16 @@ contains
     logical, intent(in) :: levers                !! there are some
     real(dp), intent(inout) :: f(tile)
     real(dp) :: t(tile)
-    call spread_force(field, s, first, n, column, f)
+    if (mesh%graded) then
+      call graded_spread(mesh, field%linear, graded_row(field, s), first, n, &
+                         field%moment(1, column), centre_rows(field, s, first), f)
+    else
+      call spread_force(field, s, first, n, column, f)
+    end if
     if (.not. levers) return
     if (mesh%graded) then
-      call graded_divergence(mesh, graded_row(field, s), first, n, field%moment(1, lever), &
+      call graded_divergence(mesh, field%linear, graded_row(field, s), first, n, &
+                             field%moment(1, lever), &
 #if NDIM > 1
                              field%moment(1, lever + 1), &
 #endif

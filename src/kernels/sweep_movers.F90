@@ -171,9 +171,10 @@ contains
         w(:, :NCORNER, i) = corners
         levers(:, :, i) = loads_levers(mesh, motion, xi + way, way, plan%corrected)
         call linear_gradients(xi + way, 1.0_dp, g(:, :, :NDIM, i))
-        if (mesh%graded) call aside_weights(mesh, motion, way, xi + way, levers(:, :, i), &
-                                            g(:, :, :NDIM, i))
-        if (plan%corrected) call twist_weights(mesh, motion, way, xi + way, &
+        if (mesh%graded .and. .not. body%linear) then
+          call aside_weights(mesh, motion, way, xi + way, levers(:, :, i), g(:, :, :NDIM, i))
+        end if
+        if (plan%corrected) call twist_weights(mesh, body%linear, motion, way, xi + way, &
                                                g(:, :, NDIM + 1:, i))
       end if
     end do
@@ -188,7 +189,7 @@ contains
     real(dp), intent(inout) :: levers(lanes, NDIM), g(lanes, NCORNER, NDIM)
     real(dp) :: aside(lanes, NDIM, 2), ends(lanes, NDIM), w(lanes, NCORNER), share(lanes)
     integer :: b, side
-    aside = graded_loads_aside(mesh, motion, way)
+    aside = graded_loads_aside(mesh, .false., motion, way)
     do b = 1, NDIM
       g(:, :, b) = spread(levers(:, b), 2, NCORNER)*g(:, :, b)
       do side = 0, 1
@@ -203,8 +204,9 @@ contains
   end subroutine aside_weights
 
   !> Derivatives of the corners' weights along the axes of each twist, times their levers.
-  pure subroutine twist_weights(mesh, motion, way, place, g)
+  pure subroutine twist_weights(mesh, linear, motion, way, place, g)
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: linear                !! of the body's field
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM)
     real(dp), intent(out) :: g(lanes, NCORNER, twists(NDIM))
@@ -215,7 +217,7 @@ contains
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
-      aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
+      aside = mesh%inverse_h*graded_loads_aside(mesh, linear, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1

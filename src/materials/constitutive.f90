@@ -74,7 +74,7 @@ module sgmp_constitutive
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
-  public :: law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
+  public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -797,6 +797,14 @@ contains
     yes = law%eos == eos_none .and. any(law%kind == [material_elastic, material_neo_hookean, &
                                                      material_mooney_rivlin])
   end function law_is_springy
+
+  !> Whether matter keeps its form: neither a fluid nor a soil, which flow.
+  elemental logical function law_bends(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = .not. (law_is_spherical(law) .or. any(law%kind == [material_drucker_prager, &
+                                                             material_mohr_coulomb, &
+                                                             material_cam_clay]))
+  end function law_bends
 
   !> Whether the material bears no tension, so that it fills whatever room it has.
   elemental logical function law_gaseous(law) result(yes)

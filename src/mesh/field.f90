@@ -48,6 +48,8 @@ module sgmp_field
     type(rotation_points_t) :: rotation             !! for columns%turns
     type(pair_points_t) :: pairs                    !! for columns%corrected
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
+    logical :: linear = .false.                     !! of unequal cells: across an axis gradients
+                                                    !! read what is linear between nodes
     logical :: gaps = .false.                       !! normalised stress leaves gaps alone: solids
     real(dp) :: hoop_correction = 0.0_dp            !! of the hoop strain (sgmp_axis)
     type(graded_axis_t) :: radii                    !! sides of the cells along x

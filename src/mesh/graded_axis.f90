@@ -16,7 +16,7 @@ module sgmp_graded_axis
   private
   public :: graded_axis_t, graded_make
   public :: graded_advance, graded_between, graded_centre, graded_coordinate, graded_node, &
-            graded_inverse, graded_place, graded_spacing, graded_width
+            graded_place, graded_spacing, graded_tables, graded_width
 
   !> Tables of one axis; without them cells are equal.
   type :: graded_axis_t
@@ -28,6 +28,8 @@ module sgmp_graded_axis
     real(dp), allocatable :: centre(:)   !! (first - 1:last) places of centres from the origin
     real(dp), allocatable :: width(:)    !! (first - 1:last) h_c
     real(dp), allocatable :: slope(:)    !! (first - 1:last) 1/h_c
+    real(dp), allocatable :: low(:)      !! (first - 1:last) weight of the lower node in what is
+                                         !! linear between the two at the centre
   end type graded_axis_t
 
 contains
@@ -47,7 +49,7 @@ contains
     axis%last = last
     axis%walls = walls
     allocate (axis%spacing(first:last), axis%centre(first - 1:last), axis%width(first - 1:last), &
-              axis%slope(first - 1:last))
+              axis%slope(first - 1:last), axis%low(first - 1:last))
     axis%spacing(first) = sides(first)
     axis%spacing(last) = sides(last - 1)
     do i = first + 1, last - 1
@@ -72,7 +74,10 @@ contains
     axis%width(last) = merge(axis%width(last - 1), axis%spacing(last), walls(2))
     do i = first - 1, last
       axis%slope(i) = 1.0_dp/axis%width(i)
+      axis%low(i) = 0.5_dp*graded_spacing(axis, i + 1)*axis%slope(i)
     end do
+    if (walls(1)) axis%low(first - 1) = 1.0_dp - axis%low(first)
+    if (walls(2)) axis%low(last) = 1.0_dp - axis%low(last - 1)
   end function graded_make
 
   !> Spacing H_I of the centres around a node.
@@ -212,21 +217,34 @@ contains
     c = max(c, axis%first - 1)
   end function table_centre
 
-  !> Slopes 1/h_c of some centres.
-  pure subroutine graded_inverse(axis, first, n, slope)
+  !> Slopes 1/h_c of some centres, and the weights of their lower and upper nodes in what is read
+  !! across the axis.
+  pure subroutine graded_tables(axis, linear, first, n, slope, low, high)
     type(graded_axis_t), intent(in) :: axis
+    logical, intent(in) :: linear        !! what is linear between the nodes; else their mean
     integer, intent(in) :: first, n      !! first centre, how many
-    real(dp), intent(out) :: slope(n)
-    integer :: i
+    real(dp), intent(out) :: slope(n), low(n), high(n)
+    integer :: i, c
     if (.not. axis%graded) then
       slope = 1.0_dp
-    else if (first >= axis%first - 1 .and. first + n - 1 <= axis%last) then
-      slope = axis%slope(first:first + n - 1)
-    else
-      do i = 1, n
-        slope(i) = axis%slope(min(max(first + i - 1, axis%first - 1), axis%last))
-      end do
+      low = 0.5_dp
+      high = 0.5_dp
+      return
     end if
-  end subroutine graded_inverse
+    if (first >= axis%first - 1 .and. first + n - 1 <= axis%last) then
+      slope = axis%slope(first:first + n - 1)
+      low = axis%low(first:first + n - 1)
+      if (.not. linear) low = 0.5_dp
+      high = 1.0_dp - low
+      return
+    end if
+    do i = 1, n
+      c = min(max(first + i - 1, axis%first - 1), axis%last)
+      slope(i) = axis%slope(c)
+      low(i) = axis%low(c)
+      if (.not. linear) low(i) = 0.5_dp
+      high(i) = 1.0_dp - low(i)
+    end do
+  end subroutine graded_tables
 
 end module sgmp_graded_axis

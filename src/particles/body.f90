@@ -41,6 +41,7 @@ module sgmp_body
     logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass
     type(load_t), allocatable :: loads(:)      !! not allocated: none
+    logical :: linear = .false.                !! as of its field
     logical :: faced = .false.                 !! some of them act on faces
     logical :: is_driven = .false.             !! the motion of parts of it is prescribed
     type(driven_part_t), allocatable :: driven(:)  !! these; not allocated: none

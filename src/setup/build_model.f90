@@ -11,8 +11,8 @@ module sgmp_build_model
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_closing, only: closing_first
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_set_average, &
-                               law_set_length, law_slots
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_bends, law_is_spherical, &
+                               law_set_average, law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs, contact_self
   use sgmp_debris, only: debris_possible, debris_set_apart
@@ -686,6 +686,8 @@ contains
                                     any(moves .and. model%bodies%law%history%averaged), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid
+      model%fields(f)%linear = any(moves .and. law_bends(model%bodies%law))
+      where (model%bodies%field == f) model%bodies%linear = model%fields(f)%linear
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))

@@ -9,6 +9,9 @@ module DIM(sgmp_auxmesh)
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_slopes
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_hoop
+#endif
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
@@ -52,7 +55,7 @@ contains
         do a = 0, NDIM - 1
           if (kernel_centred(field%kernel)) then
             if (mesh%graded) then
-              call graded_slopes(mesh, graded_row(field, s), first, n, &
+              call graded_slopes(mesh, field%linear, graded_row(field, s), first, n, &
                                  field%node(1, gradient + a), node_rows(field, s, first), stride, &
                                  records(q + 1, point))
             else
@@ -67,9 +70,15 @@ contains
         end do
 #ifdef AXISYMMETRIC
         if (kernel_centred(field%kernel)) then
-          call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
-                         field%node(1, gradient), node_rows(field, s, first), stride, &
-                         records(q + 1, point))
+          if (mesh%graded) then
+            call graded_hoop(mesh, field%linear, graded_row(field, s), first, n, &
+                             field%hoop(first, 1), field%hoop(first, 2), field%node(1, gradient), &
+                             node_rows(field, s, first), stride, records(q + 1, point))
+          else
+            call fill_hoop(n, mesh%inverse_h, field%hoop(first, 1), field%hoop(first, 2), &
+                           field%node(1, gradient), node_rows(field, s, first), stride, &
+                           records(q + 1, point))
+          end if
         end if
 #endif
       end do
@@ -359,7 +368,7 @@ contains
     integer :: i, first
     do i = 1, n, tile
       first = field%work%first(s) + i - 1
-      call graded_slopes(mesh, graded_row(field, s), first, min(tile, n - i + 1), &
+      call graded_slopes(mesh, field%linear, graded_row(field, s), first, min(tile, n - i + 1), &
                          field%node(1, column), node_rows(field, s, first), stride, records(1, i))
     end do
   end subroutine fill_graded

@@ -18,7 +18,7 @@ module DIM(sgmp_loads)
   use sgmp_body, only: body_t
   use sgmp_columns, only: twist_takes
   use sgmp_expression, only: expression_places, expression_t, expression_time
-  use DIM(sgmp_graded_loads), only: graded_loads_aside, graded_loads_sides
+  use DIM(sgmp_graded_loads), only: graded_loads_aside, graded_loads_off, graded_loads_sides
   use sgmp_kinds, only: dp, lanes
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_place, mesh_t
@@ -201,7 +201,7 @@ contains
       call loads_on_faces(mesh, body, body%loads(i), time, live, nb, motion, state, force, way, &
                           some)
       if (.not. some) cycle
-      if (mesh%graded) call grade_way(mesh, motion, way)
+      if (mesh%graded) call grade_way(mesh, body%linear, motion, way)
       do a = 1, NDIM
         do b = 1, NDIM
           sums(:, sum_applied) = sums(:, sum_applied) + dt*mesh%h*force(:, a)*way(:, b)* &
@@ -212,14 +212,19 @@ contains
   end subroutine loads_book_strain
 
   !> The way to faces in smallest cells, as far as forces there do work on the strain.
-  pure subroutine grade_way(mesh, motion, way)
+  pure subroutine grade_way(mesh, linear, motion, way)
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: linear                  !! of the body's field
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(inout) :: way(lanes, NDIM)
     real(dp) :: aside(lanes, NDIM, 2), xi(lanes)
     integer :: d
-    aside = graded_loads_aside(mesh, motion, way)
+    aside = graded_loads_aside(mesh, linear, motion, way)
     way = way*graded_loads_sides(mesh, motion)
+    if (linear) then
+      way = way + graded_loads_off(mesh, motion)
+      return
+    end if
     do d = 1, NDIM
       xi = motion(:, d) - 0.5_dp
       xi = xi - floor(xi)

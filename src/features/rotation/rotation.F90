@@ -102,7 +102,7 @@ contains
     integer :: b(NROW), i, q, at
     at = field%neighbour(0, 0, s) + first - 1
     b = centre_rows(field, s, first)
-    if (mesh%graded) call graded_nodes(mesh, graded_row(field, s), first, n, w)
+    if (mesh%graded) call graded_nodes(mesh, field%linear, graded_row(field, s), first, n, w)
     do i = 1, n
       if (.not. field%rotation%at(at + i, at_force)) cycle
       if (mesh%graded) then

@@ -34,12 +34,11 @@ module DIM(sgmp_surfaces)
   use DIM(sgmp_auxmesh), only: graded_row, node_rows
   use sgmp_columns, only: pair_sums
   use sgmp_field, only: field_t
-#ifdef AXISYMMETRIC
-  use sgmp_graded_axis, only: graded_spacing, graded_width
-#else
   use sgmp_graded_axis, only: graded_spacing
+  use CARTESIAN(sgmp_graded_rows), only: graded_push, graded_twist_factors, graded_twists
+#ifdef AXISYMMETRIC
+  use CARTESIAN(sgmp_graded_rows), only: graded_push_slopes, graded_slopes_across
 #endif
-  use CARTESIAN(sgmp_graded_rows), only: graded_twist_factors
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
   use sgmp_pair_points, only: stage_forces, stage_gains, stage_twists, &
@@ -79,13 +78,16 @@ contains
           call weigh_row(field, s, first, n)
           if (mesh%graded) call grade_weights(field, mesh, s, first, n)
         case (stage_twists)
-          call twist_row(field, s, first, n, column)
-          if (mesh%graded) call grade_differences(field, mesh, s, first, n)
+          if (mesh%graded) then
+            call twist_graded(field, mesh, s, first, n, column)
+          else
+            call twist_row(field, s, first, n, column)
+          end if
         case (stage_gains)
           call gain_row(field, mesh%inverse_h, s, first, n)
         case default  ! stage_forces
           call force_row(field, mesh%inverse_h, s, first, n)
-          if (mesh%graded) call grade_differences(field, mesh, s, first, n)
+          if (mesh%graded) call grade_forces(field, mesh, s, first, n)
         end select
       end do
       if (stage == stage_weights) call part_at_walls(field, mesh, s)
@@ -242,14 +244,36 @@ contains
     end do
   end subroutine grade_weights
 
-  !> Differences of a row where cells are unequal, or forces on them, times the slopes.
-  pure subroutine grade_differences(field, mesh, s, first, n)
+  !> Second differences where cells are unequal.
+  pure subroutine twist_graded(field, mesh, s, first, n, column)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n, column
+    real(dp) :: t(tile, 1 + 3*(NDIM - 2))
+    integer :: a, q, at
+    at = field%neighbour(0, 0, s) + first
+    do a = 1, NDIM
+      call graded_twists(mesh, field%linear, graded_row(field, s), first, n, &
+                         field%node(1, column + a - 1), node_rows(field, s, first), t)
+      do q = 1, size(t, 2)
+        field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1)) = t(:n, q)
+      end do
+    end do
+#ifdef AXISYMMETRIC
+    call graded_slopes_across(mesh, field%linear, graded_row(field, s), first, n, &
+                              field%hoop(first, 1), field%hoop(first, 2), field%node(1, column), &
+                              node_rows(field, s, first), field%pairs%centre(at, slope))
+#endif
+  end subroutine twist_graded
+
+  !> Forces on the differences of a row, times the factors that these have.
+  pure subroutine grade_forces(field, mesh, s, first, n)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp) :: factors(tile, 1 + 3*(NDIM - 2))
     integer :: a, q, at
-    call graded_twist_factors(mesh, graded_row(field, s), first, n, factors)
+    call graded_twist_factors(mesh, field%linear, graded_row(field, s), first, n, factors)
     at = field%neighbour(0, 0, s) + first
     do q = 1, size(factors, 2)
       do a = 1, NDIM
@@ -257,12 +281,7 @@ contains
           factors(:n, q)*field%pairs%centre(at:at + n - 1, a + NDIM*(q - 1))
       end do
     end do
-#ifdef AXISYMMETRIC
-    associate (hoop => field%pairs%centre(at:at + n - 1, slope))
-      hoop = hoop/graded_width(mesh%axes(2), key_k(field%work%key(s)))
-    end associate
-#endif
-  end subroutine grade_differences
+  end subroutine grade_forces
 
   !> Second differences of a nodal velocity at the centres of a row, in space the third ones, too.
   pure subroutine twist_row(field, s, first, n, column)
@@ -531,33 +550,52 @@ contains
 #endif
 
   !> Adds to the internal forces of a tile of nodes what pairs and quads give (PR4).
-  pure subroutine surfaces_push(field, first, b, n, f)
+  pure subroutine surfaces_push(field, mesh, s, first, b, n, f)
     type(field_t), intent(in) :: field
-    integer, intent(in) :: first                 !! node; about an axis alone it matters
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first              !! interval, first node
     integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     if (bare(NROW, n, b + 1, field%moment(1, firm(field)))) return
     do a = 1, NDIM
-      call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      if (mesh%graded) then
+        call graded_push(mesh, field%linear, graded_row(field, s), first, n, b, &
+                         size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      else
+        call push(n, b, size(field%pairs%centre, 1), field%pairs%centre(1, a), f(:, a))
+      end if
     end do
 #ifdef AXISYMMETRIC
-    call push_slopes(n, field%hoop(first - 1, 1), field%hoop(first - 1, 2), b, &
-                     field%pairs%centre(:, slope), f(:, 1))
+    if (mesh%graded) then
+      call graded_push_slopes(mesh, field%linear, graded_row(field, s), first, n, &
+                              field%hoop(first - 1, 1), field%hoop(first - 1, 2), b, &
+                              field%pairs%centre(:, slope), f(:, 1))
+    else
+      call push_slopes(n, field%hoop(first - 1, 1), field%hoop(first - 1, 2), b, &
+                       field%pairs%centre(:, slope), f(:, 1))
+    end if
 #endif
   end subroutine surfaces_push
 
   !> Adds to external forces on a tile of nodes those that act on second and third differences.
-  pure subroutine surfaces_push_twists(field, b, n, f)
+  pure subroutine surfaces_push_twists(field, mesh, s, first, b, n, f)
     type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first              !! interval, first node
     integer, intent(in) :: b(NROW)               !! rows of centres around the nodes
     integer, intent(in) :: n
     real(dp), intent(inout) :: f(:, :)           !! (n in whole vectors or more, ndim)
     integer :: a
     do a = 1, NDIM
       associate (column => field%columns%twist + a - 1)
-        call push(n, b, size(field%moment, 1), field%moment(1, column), f(:, a))
+        if (mesh%graded) then  ! the slopes' factors are in the column
+          call graded_push(mesh, field%linear, graded_row(field, s), first, n, b, &
+                           size(field%moment, 1), field%moment(1, column), f(:, a))
+        else
+          call push(n, b, size(field%moment, 1), field%moment(1, column), f(:, a))
+        end if
       end associate
     end do
   end subroutine surfaces_push_twists

@@ -48,7 +48,7 @@ contains
     call sums_row(n, field%moment(1, field%columns%swirl + 1), b, inertia)
     torque = 0.0_dp
     if (dt > 0.0_dp .and. mesh%graded) then
-      call graded_divergence(mesh, graded_row(field, s), first, n, &
+      call graded_divergence(mesh, field%linear, graded_row(field, s), first, n, &
                              field%moment(1, field%columns%torque), &
                              field%moment(1, field%columns%torque + 1), b, torque)
       torque(:n) = torque(:n)/mean
