@@ -172,7 +172,8 @@ def initial_stress(luck, lines, name, axes, gravity):
     if (
         card.split()[2] not in HOLDS
         or "eos" in others
-        or any(line.startswith(f"failure {matter} ") and ("fracture_energy" in line or "flaws" in line) for line in lines)
+        or any(line.startswith(f"failure {matter} ") and ("fracture_energy" in line or "flaws" in line)
+               for line in lines)
     ):
         return []
     young = float(card.split("young=")[1].split()[0])
