@@ -101,7 +101,7 @@ fuzz: build-all ## Damaged decks and checkpoints, then random scenes (INPUTS=100
 	$(PYTHON) tests/fuzz/scenes.py build/release/sgmp . build/fuzz/scenes --inputs $(or $(SCENES),1500) --seed $(or $(SEED),240000000)
 	$(PYTHON) tests/fuzz/truth.py build/release/sgmp . build/fuzz/truth --inputs $(or $(SCENES),1500) --seed $(or $(SEED),1)
 
-truth: build ## Random scenes of 62 classes whose truth is known, by class: how often sound runs are wrong (SCENES=400, SEED=1; UNEQUAL=1: on unequal cells)
+truth: build ## Random scenes of 63 classes whose truth is known, by class: how often sound runs are wrong (SCENES=400, SEED=1; UNEQUAL=1: on unequal cells)
 	$(PYTHON) tests/fuzz/truth_table.py build/release/sgmp . build/fuzz/truth_table --inputs $(or $(SCENES),400) --seed $(or $(SEED),1) --jobs $(JOBS) $(if $(UNEQUAL),--unequal)
 
 mutate: build-all ## Put small faults into the sources and see whether tests notice (SAMPLE=200, SEED=1; MUTATE=FILE: all of it; FAULTS=LIST)

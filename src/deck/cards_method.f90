@@ -51,8 +51,9 @@ contains
                       choices='auto plain kept', default='auto', &
                       source='doc/volumes.md')
     call registry%key('hoop', kind_real, 'axisymmetric: correction C of the hoop strain next '// &
-                      'to the axis; the default is that of particles anywhere, 1/8 that of a '// &
-                      'lattice of two per cell that stays (sgmp only)', range='[0,1]', &
+                      'to the axis; the default is that of particles anywhere, 1/12, of '// &
+                      'liquids that of their lattice, 1/8 with two per cell (sgmp only)', &
+                      range='[0,1]', &
                       source='doc/theory.md, 7')
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
@@ -133,6 +134,7 @@ contains
       if (method%volumes_kept) method%normalised = .true.
       if (method%volumes_kept) method%normalised_auto = .false.
       method%hoop = card%number('hoop', absent=method%hoop)
+      method%hoop_auto = .not. card%has('hoop')
       method%rotation = card%word('rotation') == 'exact'
       method%surfaces = card%word('surfaces') == 'corrected'
       method%drift_remapped = card%word('drift') == 'remapped'

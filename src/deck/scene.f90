@@ -84,6 +84,7 @@ module sgmp_scene
     logical :: drift_auto = .false., volumes_auto = .false.
     logical :: drift_remapped = .false.  !! particles move with the velocity that strains them
     real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)
+    logical :: hoop_auto = .true.     !! liquids have that of their lattice
     real(dp) :: interior = 0.25_dp    !! filling beyond which a cell counts as interior
   end type method_card_t
 

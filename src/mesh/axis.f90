@@ -13,8 +13,8 @@ module sgmp_axis
   use sgmp_kinds, only: dp, pi
   implicit none
   private
-  public :: axis_correction, axis_cell, axis_hoop_weights, axis_inertia, axis_radius, &
-            axis_radius_balanced, axis_radius_filled
+  public :: axis_correction, axis_correction_lattice, axis_cell, axis_hoop_weights, axis_inertia, &
+            axis_radius, axis_radius_balanced, axis_radius_filled
 
   !> Default of the correction C of the hoop strain: what the hat functions' excess over the weight
   !! |r| is on average over the places of particles.
@@ -108,6 +108,15 @@ contains
       inertia(i) = merge(weight, least_inertia, weight > least_inertia)
     end do
   end subroutine axis_inertia
+
+  !> The correction C with which a lattice of some particles per cell and axis is at rest under a
+  !! pressure: what hat functions make of them next to the axis (theory 7).
+  elemental function axis_correction_lattice(number) result(correction)
+    integer, intent(in) :: number
+    real(dp) :: correction
+    correction = merge(1.0_dp + 2.0_dp/number**2, 1.0_dp - 1.0_dp/number**2, mod(number, 2) == 0)
+    correction = axis_correction*correction
+  end function axis_correction_lattice
 
   !> Volume of a ring with the section of a cell, over its radius in cells.
   elemental function axis_cell(h) result(volume)

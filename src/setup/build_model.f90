@@ -5,6 +5,7 @@ module sgmp_build_model
   use sgmp_absorbing_build, only: absorbing_check, absorbing_declare, absorbing_fill
   use sgmp_angular_momentum, only: angular_momentum_note
   use sgmp_averaging, only: averaging_spread
+  use sgmp_axis, only: axis_correction_lattice
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
   use sgmp_build_columns, only: columns_build
@@ -45,7 +46,8 @@ module sgmp_build_model
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
-  use sgmp_scene, only: body_card_t, layout_graded, scene_space, scene_t, time_card_t
+  use sgmp_scene, only: body_card_t, layout_graded, layout_lattice, scene_space, scene_t, &
+                        time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
                           seeding_generate, survey_t
   use sgmp_self_contact, only: self_labels
@@ -132,7 +134,7 @@ contains
     if (seeded) call burn_light(scene, model%mesh, model%bodies(:size(scene%bodies)))
     model%method%cutoff = scene%method%mass_cutoff*parallel_max(heaviest)
     call contact_pairs(scene, model)
-    call build_fields(model, kernel, merge(1, threads, scene%dimension == 1))
+    call build_fields(scene, model, kernel, merge(1, threads, scene%dimension == 1))
     call build_clock(scene, model)
     call stage_terms(model)
     if (.not. seeded) return
@@ -668,7 +670,8 @@ contains
   end subroutine check_lengths
 
   !> Velocity fields and the threads that work on them.
-  subroutine build_fields(model, kernel, threads)
+  subroutine build_fields(scene, model, kernel, threads)
+    type(scene_t), intent(in) :: scene
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
@@ -688,6 +691,10 @@ contains
       model%fields(f)%gaps = solid
       model%fields(f)%linear = any(moves .and. law_bends(model%bodies%law))
       where (model%bodies%field == f) model%bodies%linear = model%fields(f)%linear
+      if (scene%method%hoop_auto .and. .not. model%fields(f)%gaps .and. &
+          (scene%method%normalised_auto .or. .not. scene%method%normalised)) then
+        model%fields(f)%hoop_correction = lattice_correction(scene, model, moves)
+      end if
     end do
     call team_make(model%team, threads, model%mesh%space, size(model%fields), size(model%bodies))
     allocate (model%ranks%below(size(model%fields)), model%ranks%above(size(model%fields)))
@@ -695,6 +702,28 @@ contains
     call phase_layout(model%mesh, model%fields, model%bodies, model%contact, model%team, &
                       model%ranks%partition)
   end subroutine build_fields
+
+  !> Correction of the hoop strain of a field of fluids whose stress is not normalised: that of
+  !! their lattice, if they have one.
+  pure function lattice_correction(scene, model, moves) result(correction)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: moves(:)              !! bodies of the field
+    real(dp) :: correction
+    real(dp) :: number
+    integer :: b
+    correction = model%mesh%hoop
+    number = 0.0_dp
+    do b = 1, size(scene%bodies)
+      if (.not. moves(b)) cycle
+      if (all(scene%bodies(b)%layout /= [layout_lattice, layout_graded])) return
+      if (number > 0.0_dp .and. abs(number*model%bodies(b)%spacing - model%mesh%h) > &
+          1.0e-6_dp*model%mesh%h) return
+      number = model%mesh%h/model%bodies(b)%spacing
+    end do
+    if (nint(number) < 1 .or. abs(number - anint(number)) > 1.0e-6_dp) return
+    correction = axis_correction_lattice(nint(number))
+  end function lattice_correction
 
   !> The clock's settings.
   subroutine build_clock(scene, model)

@@ -1,7 +1,7 @@
-"""More classes of tests/fuzz/_truths.py: what flows through what, and what yields all through."""
+"""More classes of tests/fuzz/_truths.py: what flows through what, what yields all through, water about an axis."""
 import math
 
-from _truths import Truth
+from _truths import Truth, vibration
 
 
 class Jet(Truth):
@@ -72,4 +72,53 @@ output csv at=end fields=stress
                 ("its scatter", math.sqrt(sum(one**2 for one in found)/len(found))/self.p, 0.25)]
 
 
-CLASSES = (Jet, Hill)
+
+
+def bessel(order, argument):
+    """J0 or J1 as a formula of a deck, by its series: 1e-6 up to an argument of 4."""
+    square = f"(0.25*({argument})^2)"
+    terms = [(-1)**n/(math.factorial(n)*math.factorial(n + order)) for n in range(11)]
+    series = repr(terms[-1])
+    for term in reversed(terms[:-1]):
+        series = f"({term!r}+{square}*{series})"
+    return f"(0.5*({argument})*{series})" if order else series
+
+
+class Bowl(Truth):
+    """Water in a round basin: that at rest stays at rest; waves around the axis have the frequency omega^2 = g k tanh(k
+    H), k R the first zero of J1."""
+
+    def make(self):
+        luck = self.luck
+        self.cells, wide, ppc = luck.choice((8, 12, 16)), luck.choice((1, 2)), luck.choice((2, 2, 3))
+        h, k = 1/self.cells, 3.8317059702/wide
+        omega = math.sqrt(k*math.tanh(k))
+        self.period = 2*math.pi/omega
+        self.still = luck.random() < 0.5
+        size = 0.03*omega/math.sinh(k)
+        out, up = (bessel(order, f"{k}*r") for order in (1, 0))
+        wave = f'velocity m r="{-size}*{out}*cosh({k}*z)" z="{size}*{up}*sinh({k}*z)"\n'
+        self.decks = [f"""dimension axisymmetric
+grid cell={h} r=0:{wide} z=0:open
+wall r+=slip z-=slip
+METHOD
+time end={(1.2 if self.still else 2.4)*self.period} cfl=0.4
+gravity (0,-1)
+material m fluid density=1
+eos m tait c0=15
+initial_stress m surface=1
+body m block material=m lower=(0,0) upper=({wide},1) ppc={ppc}
+{"" if self.still else wave}history steps=10
+output csv at=end
+"""]
+
+    def errors(self, results):
+        if not self.still:
+            return vibration(results[0], self.period)
+        # Over the speed of long waves, 1.
+        fastest = max(math.hypot(row["velocity_r"] if "velocity_r" in row else row["velocity_x"], row["velocity_z"])
+                      for row in results[0].rows)
+        return [("velocity at rest", fastest, 0.05)]
+
+
+CLASSES = (Jet, Hill, Bowl)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Axisymmetric scenes against closed forms and an independent code: a clamped cylinder that rings, a free plate that
-bends, the Taylor bar, rings with swirl that leave the grid.
+bends, the Taylor bar, rings with swirl that leave the grid, water at rest.
 
 usage: axisymmetric.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -33,6 +33,20 @@ velocity b r="{velocity}"
 output csv at=end fields=initial_position,stress
 """
 
+# Water at rest in a round basin, some particles per cell.
+BASIN = """
+dimension axisymmetric
+grid cell=1/16 r=0:2 z=0:open
+wall r+=slip z-=slip
+time end=6 cfl=0.4
+gravity (0,-1)
+material water fluid density=1
+eos water tait c0=15
+initial_stress basin surface=1
+body basin block material=water lower=(0,0) upper=(2,1) ppc={ppc}
+history steps=20
+output csv at=end
+"""
 # Rings that hardly hold together turn once a time of 2 pi and rise out of the grid, all of them.
 THROWN = """
 dimension axisymmetric swirl=yes
@@ -172,6 +186,15 @@ def thrown(report):
         )
 
 
+def basin(report):
+    """Water at rest stays at rest next to the axis, with any number of particles per cell."""
+    for ppc in (2, 3):
+        result = run(f"basin_{ppc}", BASIN.format(ppc=ppc))
+        if report.finished(result, f"basin {ppc}"):
+            speed = max(sqrt(row["velocity_x"]**2 + row["velocity_z"]**2) for row in result.table("particles_end.csv"))
+            report.check(speed < 0.02, f"basin with {ppc} particles per cell: velocity {speed}")
+
+
 def main():
     """All of it."""
     report = Report()
@@ -179,6 +202,7 @@ def main():
     free_plate(report)
     taylor_bar(report)
     thrown(report)
+    basin(report)
     report.end()
 
 
