@@ -65,7 +65,9 @@ contains
     if (work < merge(flying_work, least_work, flies) .or. left < coarse_work) return
     reason = 'failure by a strain follows the cell: failed matter took '//percent_text(work)// &
              ' of the energy that the scene was given; repeat with another cell size '// &
-             '(sgmp-view error), or give failure length=, of two cells and more'
+             '(sgmp-view error)'
+    if (.not. model%mesh%graded) reason = reason// &  ! averages are those of equal cells
+                                          ', or give failure length=, of two cells and more'
     if (left > doubtful_work .and. .not. flies) then
       call opinion%object(reason)
     else

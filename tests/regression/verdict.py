@@ -556,6 +556,11 @@ def failing(report):
     report.check(0.1 < result["end_state.failure_share"] < 1, f"notched: {result['end_state']}")
     doubts(report, "notched_moving", NOTCHED, words, frame=3000)
     doubts(report, "notched_eroded", NOTCHED.replace("failure steel plastic", "erode steel plastic"), words)
+    # A length is advised, but on unequal cells, which have none.
+    advised = {name: [reason for reason in doubts(report, name, deck, words)["verdict_reasons"] if words in reason][0]
+               for name, deck in (("notched_again", NOTCHED), ("notched_unequal", NOTCHED.replace(
+                   "grid cell=", "grid fine_y=(1,3) ratio=1.1 cell=")))}
+    report.check("length=" in advised["notched_again"] and "length=" not in advised["notched_unequal"], f"{advised}")
     result = run("notched_whole", NOTCHED, limit=9)
     report.check(
         not any(words in reason for reason in result["verdict_reasons"]) and result["end_state.failure_share"] == 0,
