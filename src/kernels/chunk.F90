@@ -1164,7 +1164,7 @@ contains
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: aside(lanes, NDIM, 2), end(lanes, NDIM)
     integer :: a, b, side
-    aside = graded_loads_aside(mesh, .false., motion, way)
+    aside = graded_loads_aside(mesh, motion, way)
     do b = 1, NDIM
       do side = 0, 1
         end = place
@@ -1196,7 +1196,8 @@ contains
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
-      aside = mesh%inverse_h*graded_loads_aside(mesh, linear, motion, way)
+      aside = 0.0_dp
+      if (.not. linear) aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1

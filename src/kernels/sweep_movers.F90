@@ -189,7 +189,7 @@ contains
     real(dp), intent(inout) :: levers(lanes, NDIM), g(lanes, NCORNER, NDIM)
     real(dp) :: aside(lanes, NDIM, 2), ends(lanes, NDIM), w(lanes, NCORNER), share(lanes)
     integer :: b, side
-    aside = graded_loads_aside(mesh, .false., motion, way)
+    aside = graded_loads_aside(mesh, motion, way)
     do b = 1, NDIM
       g(:, :, b) = spread(levers(:, b), 2, NCORNER)*g(:, :, b)
       do side = 0, 1
@@ -217,7 +217,8 @@ contains
     if (mesh%graded) then
       sides = graded_loads_sides(mesh, motion)
       slopes = graded_loads_slopes(mesh, motion)
-      aside = mesh%inverse_h*graded_loads_aside(mesh, linear, motion, way)
+      aside = 0.0_dp
+      if (.not. linear) aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
     end if
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1

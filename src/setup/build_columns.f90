@@ -21,17 +21,21 @@ module sgmp_build_columns
 contains
 
   !> Columns of a field in which solids move, or none, and so many parts of bodies are driven.
-  pure function columns_build(model, kernel, solid, crumbles, averages, parts) result(columns)
+  pure function columns_build(model, kernel, solid, bends, crumbles, averages, parts) &
+    result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
-    logical, intent(in) :: solid, crumbles       !! something in it can come apart
+    logical, intent(in) :: solid, bends          !! some is no soil
+    logical, intent(in) :: crumbles              !! something in it can come apart
     logical, intent(in) :: averages              !! or averages its plastic strain
     type(columns_t) :: columns
     logical :: corrected, turns, normalised
     integer :: a
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
       corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, solid)
-      turns = applies(method%rotation, method%rotation_solids, solid)
+      ! In unequal cells exact rotation moves what has next to no strength (doc/grids.md, 2).
+      turns = applies(method%rotation, method%rotation_solids, &
+                      merge(bends, solid, model%mesh%graded))
       normalised = applies(method%normalised, method%normalised_solids, solid)
       columns = columns_make(space, kernel)
       if (parts > 0) then

@@ -58,6 +58,7 @@ module sgmp_build_model
   use sgmp_sums, only: removed_causes, removed_sums
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
+  use sgmp_turn, only: infinite_length
   use sgmp_update, only: update_usavg
   use sgmp_vectors, only: cross
   use sgmp_wall_motion, only: wall_motion_start
@@ -675,7 +676,7 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
-    logical :: solid, crumbles, moves(size(model%bodies))
+    logical :: solid, bends, crumbles, moves(size(model%bodies))
     integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
     call driven_number(model, parts, terms)
@@ -683,14 +684,15 @@ contains
     do f = 1, size(model%fields)
       moves = model%bodies%field == f .and. .not. model%bodies%rigid
       solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
+      bends = any(moves .and. law_bends(model%bodies%law))
       crumbles = any(moves .and. debris_possible(model%bodies%law))
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, crumbles, &
+                      columns_build(model, kernel, solid, bends, crumbles, &
                                     any(moves .and. model%bodies%law%history%averaged), parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid
-      model%fields(f)%linear = any(moves .and. law_bends(model%bodies%law))
-      where (model%bodies%field == f) model%bodies%linear = model%fields(f)%linear
+      model%fields(f)%linear = bends
+      where (model%bodies%field == f) model%bodies%linear = bends
       if (scene%method%hoop_auto .and. .not. model%fields(f)%gaps .and. &
           (scene%method%normalised_auto .or. .not. scene%method%normalised)) then
         model%fields(f)%hoop_correction = lattice_correction(scene, model, moves)
@@ -704,7 +706,7 @@ contains
   end subroutine build_fields
 
   !> Correction of the hoop strain of a field of fluids whose stress is not normalised: that of
-  !! their lattice, if they have one.
+  !! their lattice, if they have one whose origin is left to the program, and no jitter.
   pure function lattice_correction(scene, model, moves) result(correction)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
@@ -716,7 +718,10 @@ contains
     number = 0.0_dp
     do b = 1, size(scene%bodies)
       if (.not. moves(b)) cycle
-      if (all(scene%bodies(b)%layout /= [layout_lattice, layout_graded])) return
+      associate (card => scene%bodies(b))
+        if (all(card%layout /= [layout_lattice, layout_graded]) .or. card%jitter > 0.0_dp .or. &
+            card%lattice_origin(1) < infinite_length) return
+      end associate
       if (number > 0.0_dp .and. abs(number*model%bodies(b)%spacing - model%mesh%h) > &
           1.0e-6_dp*model%mesh%h) return
       number = model%mesh%h/model%bodies(b)%spacing

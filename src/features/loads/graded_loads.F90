@@ -50,16 +50,13 @@ contains
 
   !> Stresses at the centres below and above per force on a face and weight there, along each axis,
   !! as far as it is the normal (length): how far a centre is from the middle of its nodes.
-  pure function graded_loads_aside(mesh, linear, motion, way) result(aside)
+  pure function graded_loads_aside(mesh, motion, way) result(aside)
     type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: linear                  !! of the body's field: there are none then
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: way(lanes, NDIM)       !! from the particle to its face (cells)
     real(dp) :: aside(lanes, NDIM, 2)
     real(dp) :: normal(lanes, NDIM), square(lanes)
     integer :: c(lanes), d, side
-    aside = 0.0_dp
-    if (linear) return
     normal = (graded_loads_sides(mesh, motion)*way)**2
     square = max(sum(normal, dim=2), tiny(1.0_dp))
     do d = 1, NDIM

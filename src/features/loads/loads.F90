@@ -219,12 +219,12 @@ contains
     real(dp), intent(inout) :: way(lanes, NDIM)
     real(dp) :: aside(lanes, NDIM, 2), xi(lanes)
     integer :: d
-    aside = graded_loads_aside(mesh, linear, motion, way)
-    way = way*graded_loads_sides(mesh, motion)
     if (linear) then
-      way = way + graded_loads_off(mesh, motion)
+      way = way*graded_loads_sides(mesh, motion) + graded_loads_off(mesh, motion)
       return
     end if
+    aside = graded_loads_aside(mesh, motion, way)
+    way = way*graded_loads_sides(mesh, motion)
     do d = 1, NDIM
       xi = motion(:, d) - 0.5_dp
       xi = xi - floor(xi)
