@@ -243,10 +243,6 @@ contains
     if (i == 0 .or. card%failed) return
     call law_set_erosion(card, card%word('material'), draft%scene%materials(i)%law, fault)
     call complain(card, fault, draft)
-    if (.not. card%has('time_step')) return
-    associate (time => draft%scene%time, erosion => draft%scene%materials(i)%law%erosion)
-      erosion%speed = time%cfl*draft%scene%grid%cell/erosion%time_step
-    end associate
   end subroutine check_erode
 
   subroutine read_viscosity(card, draft)

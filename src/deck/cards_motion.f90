@@ -14,6 +14,8 @@ module sgmp_cards_motion
   private
   public :: register_motion
 
+  integer, parameter :: around = 3               !! component around the axis
+
 contains
 
   !> Registers the card.
@@ -38,6 +40,9 @@ contains
       call registry%key(omega_names(axis), kind_expression, 'angular velocity about an axis in '// &
                         'radians per time, a function of t alone', unit='1/time')
     end do
+    call registry%key('spin', kind_expression, 'angular velocity about the axis of an '// &
+                      'axisymmetric scene with swirl, radians per time, a function of t alone; '// &
+                      'default: free', unit='1/time')
     call registry%key('about', kind_vector, 'the point that has the velocity, at the start; '// &
                       'default: the centre of mass of the part', unit='length')
     call registry%key('until', kind_real, 'the part is free from this time on; default: never', &
@@ -62,6 +67,12 @@ contains
       call take(card, draft%axis_key(axis), draft, new%velocity(axis), new%axes(axis))
       new%axes(axis) = new%axes(axis) .or. new%turns
     end do
+    call take(card, 'spin', draft, new%omega(around), new%axes(around))
+    new%about_axis = draft%scene%swirl
+    if (card%has('spin') .and. .not. new%about_axis) then
+      call draft%errors%add(card%place('spin'), 'the scene has no swirl', &
+                            'write dimension axisymmetric swirl=yes, or remove spin')
+    end if
     new%about = card%vector('about')
     new%about_given = card%has('about')
     new%until = card%number('until', absent=new%until)
@@ -136,7 +147,8 @@ contains
         call errors%add(card%place('body'), "body '"//card%word('body')//"' is rigid: it moves "// &
                         'as a whole', 'its motion is that of its card rigid')
       end if
-      do c = 1, merge(size(scene%contacts), 0, scene%method%rotation)
+      do c = 1, merge(size(scene%contacts), 0, &
+                      scene%method%rotation .and. .not. scene%swirl)
         associate (bodies => scene%contacts(c)%body)
           if (all(bodies /= b .and. bodies /= scene%bodies(b)%leader .and. bodies /= 0)) cycle
         end associate

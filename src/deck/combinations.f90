@@ -104,18 +104,6 @@ module sgmp_combinations
     refusal_t('swirl', 'mpm gimp cpgimp bspline', '', &
               'only sgmp has the terms of the motion around the axis', &
               'use method sgmp, or remove swirl'), &
-    refusal_t('swirl', 'flip<1', '', &
-              'its velocity knows increments only, no velocity of the grid', &
-              'remove flip or swirl'), &
-    refusal_t('swirl', 'friction', '', &
-              'it would act along the half-plane only, and not against the whole slip', &
-              'remove friction: bodies then slip past each other around the axis'), &
-    refusal_t('wallfriction', 'swirl', '', &
-              'it would act along the half-plane only, and not against the whole slip', &
-              'remove this card: the wall then slips'), &
-    refusal_t('motion', 'swirl', '', &
-              'the motion of a part prescribes none around the axis', &
-              'remove one of them'), &
     refusal_t('normalised', 'mpm gimp cpgimp bspline', '', &
               'it divides by what fills the cells of the auxiliary grid, which only sgmp has', &
               'remove stress=normalised or use method sgmp'), &
@@ -168,24 +156,12 @@ module sgmp_combinations
     refusal_t('wallfriction', '1D', '', &
               'nothing slides along a wall', &
               'remove this card'), &
-    refusal_t('wallmotion', 'damping damping-kinetic', '', &
-              'damping slows everything down to rest', &
-              'remove one of them'), &
-    refusal_t('erode-step', 'usf', '', &
-              'particles go in the sweep that moves and strains them, which usf has not', &
-              'remove time_step or use update=musl, usl or usavg'), &
-    refusal_t('erode-step', 'cfl=auto dt', '', &
-              'it needs steps that follow a Courant number', &
-              'write time … cfl=0.3'), &
     refusal_t('blast', '2D', '', &
               'the blast of a charge is a sphere, not a cylinder', &
               'write dimension axisymmetric or dimension 3'), &
     refusal_t('graded', 'mpm gimp cpgimp bspline', '', &
               'their weights are those of equal cells; the auxiliary grid of sgmp has tables', &
               'use method sgmp'), &
-    refusal_t('graded', 'gauss', '', &
-              'Gauss points are those of equal cells', &
-              'write layout=graded, which a body at rest has by itself'), &
     refusal_t('graded', 'detonation', '', &
               'a front that has crossed unequal cells leaves pressures worse than coarse cells', &
               'remove that card, or the fine intervals'), &

@@ -6,7 +6,8 @@
 module sgmp_graded_bodies
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
-  use sgmp_scene, only: body_card_t, grid_card_t, layout_graded, layout_lattice
+  use sgmp_scene, only: body_card_t, grid_card_t, layout_gauss, layout_graded, &
+                        layout_lattice
   use sgmp_turn, only: turn_turns
   implicit none
   private
@@ -26,7 +27,7 @@ contains
     do b = 1, size(bodies)
       associate (body => bodies(b))
         if (body%layout == layout_lattice .and. rests(body)) body%layout = layout_graded
-        if (body%layout /= layout_graded) cycle
+        if (all(body%layout /= [layout_gauss, layout_graded])) cycle
         body%axes = grid%axes
         body%cell = grid%cell
       end associate

@@ -151,6 +151,7 @@ module sgmp_scene
     type(expression_t) :: motion(3)               !! its velocity, functions of t
     type(expression_t) :: omega(3)                !! and its angular velocity
     real(dp) :: about(3) = 0.0_dp                 !! the point that has that velocity at the start
+    logical :: about_axis = .false.               !! the third axis is around that of the scene
     logical :: about_given = .false.              !! else it is the centre of mass
     logical :: free = .false.                     !! rigid, but forces move it
     real(dp) :: mass = 0.0_dp                     !! of a free body; 0: that of its particles
@@ -202,6 +203,7 @@ module sgmp_scene
     type(expression_t) :: velocity(3), omega(3)   !! functions of t
     logical :: turns = .false.                    !! an angular velocity is given
     real(dp) :: about(3) = 0.0_dp                 !! the point that has the velocity at the start
+    logical :: about_axis = .false.               !! the third axis is around that of the scene
     logical :: about_given = .false.              !! else it is the centre of mass of the part
     real(dp) :: until = huge(1.0_dp)              !! time from which on it is free
     character(:), allocatable :: location         !! file:line:column of the card, for messages

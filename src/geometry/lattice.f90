@@ -4,7 +4,7 @@
 !! Points come in a fixed order: x fastest, then y, then z. A volume is per unit area in 1D and per
 !! unit thickness in 2D. The jitter is a hash of the lattice's indices, thus reproducible.
 module sgmp_lattice
-  use sgmp_graded_axis, only: graded_axis_t, graded_centre, graded_coordinate, graded_spacing
+  use sgmp_graded_axis, only: graded_axis_t, graded_centre, graded_coordinate, graded_node
   use sgmp_kinds, only: dp, i8, pi
   implicit none
   private
@@ -58,13 +58,15 @@ contains
 
   !> So many points between each two centres of an axis with unequal cells, and of the part of such
   !! an interval that is in the box as many as its length has room for: the shares of the points of
-  !! a block add up to its length. Along other axes the centres of a cubic lattice.
-  pure subroutine lattice_graded(lower, upper, corner, axes, cell, per_cell, lattice, status)
+  !! a block add up to its length. Along other axes the centres of a cubic lattice. `gauss`: Gauss
+  !! points, between nodes, of all axes.
+  pure subroutine lattice_graded(lower, upper, corner, axes, cell, per_cell, gauss, lattice, status)
     real(dp), intent(in) :: lower(3), upper(3)     !! of the box
-    real(dp), intent(in) :: corner(3)              !! of a cube, for other axes
+    real(dp), intent(in) :: corner(3)              !! of a cube or cell, for other axes
     type(graded_axis_t), intent(in) :: axes(:)     !! (dimension)
     real(dp), intent(in) :: cell                   !! smallest side of a cell
     integer, intent(in) :: per_cell
+    logical, intent(in) :: gauss
     type(lattice_t), intent(out) :: lattice
     integer, intent(out) :: status                 !! lattice_fits, or why not
     type(lattice_t) :: cubic
@@ -82,7 +84,13 @@ contains
     allocate (lattice%length(1, 3), source=1.0_dp)
     do axis = 1, size(axes)
       if (axes(axis)%graded) then
-        call between_centres(box(:, axis), axes(axis), cell, per_cell, points, lengths)
+        call between(box(:, axis), axes(axis), cell, per_cell, gauss, points, lengths)
+      else if (gauss) then
+        call lattice_gauss(spread(box(1, axis), 1, 3), spread(box(2, axis), 1, 3), &
+                           spread(corner(axis), 1, 3), cell, per_cell, 1, cubic, status)
+        if (status /= lattice_fits) return
+        points = cubic%coordinate(:cubic%count(1), 1)
+        lengths = cubic%length(:cubic%count(1), 1)
       else
         call lattice_cubic(spread(box(1, axis), 1, 3), spread(box(2, axis), 1, 3), &
                            spread(corner(axis), 1, 3), spacing, 0.0_dp, 1, cubic, status)
@@ -100,35 +108,67 @@ contains
     if (product(real(lattice%count, dp)) > real(huge(1), dp)) status = lattice_too_many
   end subroutine lattice_graded
 
-  !> Points between the centres of an axis, within the ends of a box, and their shares.
-  pure subroutine between_centres(ends, axis, cell, per_cell, points, lengths)
+  !> Points between the centres of an axis, as Gauss points between its nodes, within the ends of a
+  !! box, and their shares.
+  pure subroutine between(ends, axis, cell, per_cell, gauss, points, lengths)
     real(dp), intent(in) :: ends(2), cell
     type(graded_axis_t), intent(in) :: axis
     integer, intent(in) :: per_cell
+    logical, intent(in) :: gauss
     real(dp), allocatable, intent(out) :: points(:), lengths(:)
-    real(dp) :: low, high, place(2)
-    integer :: c, n, i, pass, total, first, last
+    real(dp) :: low, high, place(2), fraction(per_cell), weight(per_cell), start
+    integer :: c, n, pass, total, first, last
     place = (ends - axis%origin)/cell
-    first = floor(graded_coordinate(axis, place(1)) - 0.5_dp)
-    last = floor(graded_coordinate(axis, place(2)) - 0.5_dp)
+    start = merge(0.0_dp, 0.5_dp, gauss)
+    first = floor(graded_coordinate(axis, place(1)) - start)
+    last = floor(graded_coordinate(axis, place(2)) - start)
     do pass = 1, 2
       total = 0
-      do c = first, last                           ! from this centre to the next
-        low = max(place(1), graded_centre(axis, c))
-        high = min(place(2), graded_centre(axis, c + 1))
+      do c = first, last                           ! from this centre or node to the next
+        low = max(place(1), end_of(axis, c, gauss))
+        high = min(place(2), end_of(axis, c + 1, gauss))
         if (high - low <= lattice_tolerance) cycle
-        n = ceiling(per_cell*(high - low)/graded_spacing(axis, c + 1) - 1.0e-6_dp)
+        n = ceiling(per_cell*(high - low)/(end_of(axis, c + 1, gauss) - end_of(axis, c, gauss)) &
+                    - 1.0e-6_dp)
         if (pass == 2) then
-          do i = 1, n
-            points(total + i) = axis%origin + cell*(low + (i - 0.5_dp)*((high - low)/n))
-            lengths(total + i) = cell*(high - low)/n
-          end do
+          call in_interval(n, gauss, fraction, weight)
+          points(total + 1:total + n) = axis%origin + cell*(low + fraction(:n)*((high - low)/n))
+          lengths(total + 1:total + n) = cell*(high - low)/n*weight(:n)
         end if
         total = total + n
       end do
       if (pass == 1) allocate (points(total), lengths(total))
     end do
-  end subroutine between_centres
+  end subroutine between
+
+  !> A node of an axis, or a centre.
+  pure function end_of(axis, i, node) result(place)
+    type(graded_axis_t), intent(in) :: axis
+    integer, intent(in) :: i
+    logical, intent(in) :: node
+    real(dp) :: place
+    if (node) then
+      place = graded_node(axis, i)
+    else
+      place = graded_centre(axis, i)
+    end if
+  end function end_of
+
+  !> Points of an interval of length n, and their shares of it.
+  pure subroutine in_interval(n, gauss, place, share)
+    integer, intent(in) :: n
+    logical, intent(in) :: gauss
+    real(dp), intent(inout) :: place(:), share(:)  !! (n or more)
+    integer :: i
+    if (gauss) then
+      call gauss_points(n, place(:n), share(:n))
+      place(:n) = 0.5_dp*n*(1.0_dp + place(:n))
+      share(:n) = 0.5_dp*n*share(:n)
+    else
+      place(:n) = [(i - 0.5_dp, i=1, n)]
+      share(:n) = 1.0_dp
+    end if
+  end subroutine in_interval
 
   !> A table with more rows.
   pure function taller(table, rows) result(more)

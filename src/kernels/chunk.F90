@@ -44,7 +44,9 @@ module DIM(sgmp_chunk)
   use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
                        sum_moment, sum_momentum, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
-  use sgmp_swirl, only: swirl_collect, swirl_drift, swirl_flux, swirl_kick, swirl_strain
+  use sgmp_swirl, only: swirl_blend, swirl_collect, swirl_drift, swirl_flux, swirl_kick, &
+                        swirl_strain
+  use sgmp_swirl_driven, only: swirl_driven_read
 #endif
   use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
                                       record_group
@@ -63,7 +65,7 @@ module DIM(sgmp_chunk)
   integer, parameter :: most_rows = NACROSS
   integer, parameter :: most_columns = 2 + NMASS + NDIM*(5 + 2*NDIM + twists(NDIM)) + NFLUX + 5 + &
                                      averaging_sums + most_drives + pair_sums(NDIM)
-  integer, parameter :: most_gathered = 3*NDIM + 1 + NGRAD + relax_total(NDIM) + record_group + &
+  integer, parameter :: most_gathered = 3*NDIM + 2 + NGRAD + relax_total(NDIM) + record_group + &
                                       collide_total(NDIM) + averaging_rates
   integer, parameter :: before_v = motion_velocity(NDIM) - 1  !! columns of the motion before v
   integer, parameter :: mass_at = motion_mass(NDIM)
@@ -116,12 +118,25 @@ module DIM(sgmp_chunk)
     integer :: square_read = 0           !! and of the square of the acceleration, where it is read
     integer :: swirl_read = 0            !! and of what they read of swirl: slopes
     integer :: swirl_kick = 0            !! the acceleration
+    integer :: swirl_rate = 0            !! the rate after the kick, for PIC
     real(dp) :: h = 1.0_dp, inverse_h = 1.0_dp
     real(dp) :: dt_cells = 0.0_dp        !! position step over h
     real(dp) :: live(lanes, 0:lanes) = 0.0_dp  !! 1 for particles, 0 for pads, by how many live
   end type task_t
 
 contains
+
+  !> Places of what chunks read of swirl.
+  pure subroutine place_swirl(plan, task)
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(inout) :: task
+    task%swirl_read = task%stride + 1
+    task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
+    task%stride = task%swirl_kick - merge(0, 1, plan%kick)
+    if (.not. (plan%kick .and. plan%flip < 1.0_dp)) return
+    task%swirl_rate = task%stride + 1
+    task%stride = task%stride + 1
+  end subroutine place_swirl
 
   !> The task of a plan.
   pure function task_make(kernel, columns, mesh, plan) result(task)
@@ -145,11 +160,7 @@ contains
     call place_vectors(columns, plan, task)
     task%stride = max(1, task%vectors + merge(NGRAD, 0, plan%gradient > 0))
     task%gradient = 1 + task%vectors
-    if (plan%swirl) then
-      task%swirl_read = task%stride + 1
-      task%swirl_kick = task%swirl_read + merge(NDIM, 0, plan%gradient > 0)
-      task%stride = task%swirl_kick - merge(0, 1, plan%kick)
-    end if
+    if (plan%swirl) call place_swirl(plan, task)
     if (plan%relax) then
       task%relax = task%stride + 1
       task%stride = task%stride + relax_total(NDIM)
@@ -322,9 +333,8 @@ contains
 #ifdef AXISYMMETRIC
     if (plan%swirl) then
       radius = radii(mesh, motion)
-      if (plan%kick) call swirl_kick(plan%dt_kick, task%live(1, nl), radius, motion(1, mass_at), &
-                                     got(1, task%swirl_kick), state(1, body%law%slots%swirl), &
-                                     lane_sums)
+      if (plan%kick) call kick_swirl(mesh, body, plan, task, task%live(1, nl), radius, nb, motion, &
+                                     got, state, lane_sums, work)
     end if
 #endif
     if (task%relax > 0) call relaxation_apply(body%law, plan%dt_strain, task%live(1, nl), &
@@ -368,7 +378,7 @@ contains
       call loads_book_strain(mesh, body, plan%time, plan%dt_strain, task%live(1, nl), &
                              got(1, task%gradient), nb, motion, state, lane_sums)
     end if
-    if (erodes) then
+    if (erodes .or. (plan%strain .and. body%law%slots%reach > 0)) then
       call departures_eroded(body%law, plan%strain, nl, motion, speed2, nb, state, eroded)
       if (body%leaves) eroded(:nl) = .true.
       if (plan%strain) call check_chunk(nl, id, merge(0.0_dp, task%live(:, nl), eroded), motion, &
@@ -908,6 +918,35 @@ contains
     end do
   end subroutine kick
 
+#ifdef AXISYMMETRIC
+  !> Kick of the velocity around the axis; what is driven turns with its part.
+  subroutine kick_swirl(mesh, body, plan, task, live, radius, nb, motion, got, state, lane_sums, &
+                        work)
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(in) :: body
+    type(plan_t), intent(in) :: plan
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: live(lanes), radius(lanes), motion(lanes, motion_total(NDIM))
+    real(dp), intent(inout) :: got(lanes, most_gathered)
+    real(dp), intent(inout) :: state(lanes, nb), lane_sums(lanes, sweep_sums)
+    type(workspace_t), intent(inout) :: work
+    real(dp) :: rate(lanes)
+    rate = 0.0_dp
+    if (task%swirl_rate > 0) rate = got(:, task%swirl_rate)
+    if (body%is_driven) then
+      call swirl_driven_read(body, mesh%h, plan%dt_kick, live, radius, motion(1, mass_at), nb, &
+                             state, got(1, task%swirl_kick), rate, work%drives(:, :, work%plane))
+    end if
+    if (task%swirl_rate > 0) then
+      call swirl_blend(plan%dt_kick, plan%flip, radius, got(1, task%swirl_kick), rate, &
+                       state(1, body%law%slots%swirl))
+    end if
+    call swirl_kick(plan%dt_kick, live, radius, motion(1, mass_at), got(1, task%swirl_kick), &
+                    state(1, body%law%slots%swirl), lane_sums)
+  end subroutine kick_swirl
+
+#endif
   !> x += v_grid dt (Eq. 31), in cells; whether a lane may have left the bin.
   pure subroutine drift(dt, live, origin, extent, velocity, motion, xi, lane_sums, outside)
     real(dp), intent(in) :: dt, live(lanes), origin(NDIM), extent(2, NDIM), velocity(lanes, NDIM)

@@ -22,12 +22,14 @@ module DIM(sgmp_departures)
 
 contains
 
-  !> Which particles are to be removed. One that is inside out is left to stop the run.
+  !> Which particles are to be removed. One that is inside out is left to stop the run. Where the
+  !! stress is updated before the kick its sweep decides on wave and particle speed.
   pure subroutine departures_eroded(law, strains, nl, motion, speed2, nb, state, eroded)
     type(constitutive_t), intent(in) :: law
     logical, intent(in) :: strains               !! the sound speed is known
     integer, intent(in) :: nl, nb
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), speed2(lanes), state(lanes, nb)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), speed2(lanes)
+    real(dp), intent(inout) :: state(lanes, nb)
     logical, intent(out) :: eroded(lanes)
     real(dp) :: strain, damage, speed
     integer :: l
@@ -41,6 +43,10 @@ contains
       if (law%slots%damage > 0) damage = state(l, law%slots%damage)
       if (strains) speed = sqrt(max(speed2(l), 0.0_dp)) + &
                            norm2(motion(l, before_v + 1:before_v + NDIM))
+      if (law%slots%reach > 0) then
+        if (strains) state(l, law%slots%reach) = speed
+        speed = state(l, law%slots%reach)
+      end if
       eroded(l) = erosion_wanted(law%erosion, strain, damage, speed)
     end do
   end subroutine departures_eroded

@@ -18,6 +18,7 @@ module sgmp_method
     !> Fastest sound in the bulk of what may fail; 0: nothing does, or its debris does not collide.
     real(dp) :: debris_speed = 0.0_dp
     logical :: rotation = .false.           !! rigid rotation strains nothing
+    logical :: rubs_at_surface = .false.    !! friction of bodies acts there, not at the nodes
     !> Of fields without a solid the stress is not normalised, rotation not exact, surfaces are not
     !! corrected.
     logical :: normalised_solids = .false., rotation_solids = .false., surfaces_solids = .false.

@@ -176,8 +176,8 @@ contains
                             work%records(first))
       end if
       if (plan%swirl) then
-        call auxmesh_swirl(field, mesh, p, plan%kick, plan%gradient, task%swirl_read - 1, &
-                           task%stride, work%records(first))
+        call auxmesh_swirl(field, mesh, p, plan%kick, task%swirl_rate > 0, plan%gradient, &
+                           task%swirl_read - 1, task%stride, work%records(first))
       end if
 #if NDIM > 1
       if (field%columns%corrected .and. plan%gradient > 0 .and. (plan%strain .or. plan%probe)) then

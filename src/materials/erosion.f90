@@ -27,7 +27,8 @@ contains
                 range='(0,inf)'), &
             key('failed', kind_logical, 'whether a particle goes that has failed', default='no'), &
             key('time_step', kind_real, 'a particle goes that would force a shorter step on '// &
-                'the run', unit='time', range='(0,inf)')]
+                'the run (with time dt=…: a step with a Courant number of 1)', unit='time', &
+                range='(0,inf)')]
   end function erosion_keys
 
   !> Criteria from the values of those keys.

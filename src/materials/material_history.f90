@@ -50,6 +50,7 @@ module sgmp_material_history
     kept_t('compliance', .false., .false., 'compliance (volumes=kept, eos)'), &
     kept_t('advanced_energy', .false., .false., 'energy of debris paid in advance (failure)'), &
     kept_t('viscous_pressure', .false., .false., 'viscous pressure of debris (failure)'), &
+    kept_t('reach', .false., .false., 'wave and particle speed (erode time_step, update=usf)'), &
     kept_t('averaged_strain', .true., .false., 'averaged plastic strain (failure length)'), &
     kept_t('averaging', .false., .false., &
            'average, its rate, and what it drove (failure length)'), &
@@ -113,6 +114,7 @@ module sgmp_material_history
     integer :: yield_factor = 0  !! factor on the yield stress, where it scatters
     integer :: advanced = 0      !! debris: energy taken for its stress before that has acted
     integer :: viscous = 0       !! debris: viscous pressure that acts next; negative: settled
+    integer :: reach = 0         !! c + |v| of the stress update before the kick, for erosion
     integer :: averaged = 0      !! largest averaged plastic strain so far
     integer :: averaging = 0     !! average, its rate, and what of that peak drove something
     integer :: flaw_strain = 0   !! at which the weakest flaw grows
@@ -215,6 +217,7 @@ contains
     slots%yield_factor = slots_column(slots, 'yield_factor')
     slots%advanced = slots_column(slots, 'advanced_energy')
     slots%viscous = slots_column(slots, 'viscous_pressure')
+    slots%reach = slots_column(slots, 'reach')
     slots%averaged = slots_column(slots, 'averaged_strain')
     slots%averaging = slots_column(slots, 'averaging')
     slots%flaw_strain = slots_column(slots, 'flaw_strain')

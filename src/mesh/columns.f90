@@ -21,7 +21,7 @@ module sgmp_columns
   public :: stage_pairs, stage_mass, stage_momentum, stage_stress, stage_debris, stage_behind
   public :: collide_kick, collide_rate, collide_square, collide_total, collide_velocity
   public :: node_acceleration, node_gyration, node_inertia, node_inverse_mass, node_remapped, &
-            node_swirl, node_total, node_velocity
+            node_swirl, node_total, node_velocity, vector_column, vector_components
   public :: relax_dilation, relax_exchange, relax_filling, relax_filter, relax_stiffness, &
             relax_square, relax_total, relax_velocity
 
@@ -331,6 +331,23 @@ contains
       end associate
     end do
   end subroutine columns_turn_back
+
+  !> Components of a vector of the nodes: the axes of the scene, and the one around its axis.
+  pure function vector_components(columns, ndim) result(n)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: ndim
+    integer :: n
+    n = merge(3, ndim, columns%swirl > 0)
+  end function vector_components
+
+  !> Column of component `a` of a vector of the nodes that begins in a column.
+  pure function vector_column(columns, column, a) result(at)
+    type(columns_t), intent(in) :: columns
+    integer, intent(in) :: column, a
+    integer :: at
+    at = column + a - 1
+    if (columns%swirl > 0 .and. a == 3) at = node_swirl(column)
+  end function vector_column
 
   !> Whether a twist is a difference along an axis.
   pure function twist_takes(twist, axis, ndim) result(yes)

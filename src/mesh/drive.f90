@@ -2,7 +2,8 @@
 !! (doc/loads.md).
 !!
 !! The velocity is linear in the place: grids carry linear functions exactly, so that a part which
-!! turns keeps its shape to round-off.
+!! turns keeps its shape to round-off. Where matter turns about the axis of an axisymmetric scene
+!! the third component is that around the axis, an angular velocity times the radius.
 module sgmp_drive
   use sgmp_kinds, only: dp
   use sgmp_vectors, only: cross
@@ -21,19 +22,30 @@ module sgmp_drive
   integer, parameter :: drive_power = 8
   integer, parameter :: drive_sums = 8     !! entries
 
+  integer, parameter :: around = 3         !! component around the axis
+
   !> A motion in the step at hand; vectors along the axes of the scene.
   type :: drive_t
     logical :: acts = .false.
     logical :: axes(3) = .false.               !! components that it prescribes
+    logical :: about_axis = .false.            !! the third one is around an axis
     real(dp) :: centre(3) = 0.0_dp             !! point about which the velocity is given (length)
     real(dp) :: velocity(3) = 0.0_dp, gradient(3, 3) = 0.0_dp
     real(dp) :: before(3) = 0.0_dp, gradient_before(3, 3) = 0.0_dp
       !! in the step before, seen from where the part is now
+    real(dp) :: spin = 0.0_dp, spin_before = 0.0_dp  !! around the axis
     real(dp) :: pic = 0.0_dp
       !! share of the grid's velocity in particles' (1 - flip)
   end type drive_t
 
 contains
+
+  !> Whether it prescribes an angular velocity about the axis of the scene.
+  pure function turns_around(drive) result(yes)
+    type(drive_t), intent(in) :: drive
+    logical :: yes
+    yes = drive%about_axis .and. drive%axes(around)
+  end function turns_around
 
   !> Velocity at a place, in this step.
   pure function drive_velocity(drive, place) result(velocity)
@@ -41,6 +53,7 @@ contains
     real(dp), intent(in) :: place(3)           !! length
     real(dp) :: velocity(3)
     velocity = drive%velocity + matmul(drive%gradient, place - drive%centre)
+    if (turns_around(drive)) velocity(around) = drive%spin*place(1)
   end function drive_velocity
 
   !> The same in the step before, of what is now at that place.
@@ -49,6 +62,7 @@ contains
     real(dp), intent(in) :: place(3)           !! length
     real(dp) :: velocity(3)
     velocity = drive%before + matmul(drive%gradient_before, place - drive%centre)
+    if (turns_around(drive)) velocity(around) = drive%spin_before*place(1)
   end function drive_velocity_before
 
   !> What a kick adds to the power of what a unit of mass at a place takes: dt/2 |A|^2.
@@ -69,8 +83,12 @@ contains
     real(dp), intent(in) :: power, extra
     real(dp), intent(inout) :: sums(drive_sums)
     sums(drive_force:drive_force + 2) = sums(drive_force:drive_force + 2) + force
-    sums(drive_torque:drive_torque + 2) = sums(drive_torque:drive_torque + 2) + &
-                                          cross(place - drive%centre, turning)
+    if (drive%about_axis) then
+      sums(drive_torque + 2) = sums(drive_torque + 2) + place(1)*turning(around)
+    else
+      sums(drive_torque:drive_torque + 2) = sums(drive_torque:drive_torque + 2) + &
+                                            cross(place - drive%centre, turning)
+    end if
     sums(drive_work) = sums(drive_work) + power
     sums(drive_power) = sums(drive_power) + extra
   end subroutine drive_add

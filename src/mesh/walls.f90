@@ -10,8 +10,8 @@
 !! (sgmp_wall_work). Friction changes nothing of this: it is a force on the nodes of a slip wall
 !! (sgmp_wall_friction).
 module sgmp_walls
-  use sgmp_columns, only: collide_velocity, column_image, node_swirl, relax_filter, relax_square, &
-                          relax_velocity
+  use sgmp_columns, only: collide_velocity, column_image, relax_filter, relax_square, &
+                          relax_velocity, vector_column, vector_components
   use sgmp_field, only: field_base, field_t
   use sgmp_images, only: vector_parity
   use sgmp_kernels, only: kernel_centred, kernel_folds
@@ -20,11 +20,10 @@ module sgmp_walls
   use sgmp_rows, only: key_j, key_k
   implicit none
   private
-  public :: walls_fold, walls_mirror, walls_mirror_average, walls_mirror_collide, &
+  public :: walls_fold, walls_slow, walls_mirror, walls_mirror_average, walls_mirror_collide, &
             walls_mirror_centres, walls_hold, has_walls
   public :: ghost_intervals, ghost_point, ghost_records
 
-  integer, parameter :: around = 3   !! component of a vector around the axis
 
 contains
 
@@ -57,7 +56,7 @@ contains
         if (n == 0) cycle
         if (field%columns%behind(axis) > 0) then
           call keep_behind(field, axis, q1, q2, from, n)
-          call drag(field, mesh, axis, side, q1, q2, from, to, n)
+          call drag(field, mesh, axis, side, q1, q2, 1.0_dp, from, to, n)
         end if
         do q = q1, q2
           if (nint(parity(q)) /= 0) then
@@ -69,6 +68,42 @@ contains
       end do
     end do
   end subroutine walls_fold
+
+  !> Multiplies the momentum of all particles by a factor after it has been folded: what belongs to
+  !! the motion of walls stays.
+  pure subroutine walls_slow(field, mesh, factor)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: factor
+    integer :: axis, side, s, first, last, ghost, image, a, q, q2, n, from, to
+    associate (q1 => field%columns%momentum)
+      q2 = q1 + field%ndim - 1
+      field%moment(:, q1:q2) = factor*field%moment(:, q1:q2)
+      if (.not. kernel_folds(field%kernel)) return
+      do axis = 1, field%ndim
+        associate (behind => field%columns%behind(axis))
+          if (behind == 0) cycle
+          field%moment(:, behind + 1:behind + field%ndim) = &
+            factor*field%moment(:, behind + 1:behind + field%ndim)
+        end associate
+        do side = 1, 2
+          if (mesh%wall(side, axis) == wall_free) cycle
+          call ghost_point(mesh, axis, side, kernel_centred(field%kernel), ghost, image)
+          call ghost_intervals(field, axis, ghost, 1, field%planes, first, last)
+          do s = first, last
+            call ghost_records(field, s, axis, ghost, image, from, to, n)
+            if (n == 0) cycle
+            call drag(field, mesh, axis, side, q1, q2, 1.0_dp - factor, from, to, n)
+            do q = q1, q2  ! what walls of other axes have dragged
+              a = q - q1 + 1
+              call fold(n, vector_parity(a, axis, mesh%wall(side, axis)), field%moment(from, q), &
+                        field%moment(to, q))
+            end do
+          end do
+        end do
+      end do
+    end associate
+  end subroutine walls_slow
 
   !> Keeps what points behind a wall hold: mass, momentum and force as far as they are folded.
   pure subroutine keep_behind(field, axis, q1, q2, ghost, n)
@@ -86,17 +121,18 @@ contains
   end subroutine keep_behind
 
   !> Adds to the images of points behind a moving wall the momentum that belongs to its motion.
-  pure subroutine drag(field, mesh, axis, side, q1, q2, ghost, image, n)
+  pure subroutine drag(field, mesh, axis, side, q1, q2, part, ghost, image, n)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: axis, side, q1, q2    !! q1..q2: columns that are folded
+    real(dp), intent(in) :: part                 !! of this momentum that is added
     integer, intent(in) :: ghost, image, n       !! first records, how many
     integer :: a, q
     do a = 1, field%ndim
       q = field%columns%momentum + a - 1
       if (q < q1 .or. q > q2 .or. mesh%wall(side, axis) /= wall_fixed) cycle
       field%moment(image:image + n - 1, q) = field%moment(image:image + n - 1, q) + &
-        2.0_dp*mesh%wall_motion(a, side, axis, wall_speed)* &
+        2.0_dp*part*mesh%wall_motion(a, side, axis, wall_speed)* &
         field%moment(ghost:ghost + n - 1, field%columns%behind(axis))
     end do
   end subroutine drag
@@ -128,12 +164,10 @@ contains
     integer, intent(in) :: s, first, n
     integer, intent(in) :: column, kind       !! kind: wall_kick or wall_speed
     integer :: a
-    do a = 1, field%ndim
-      call hold_component(field, mesh, s, first, n, a, column + a - 1, kind)
+    do a = 1, vector_components(field%columns, field%ndim)
+      call hold_component(field, mesh, s, first, n, a, vector_column(field%columns, column, a), &
+                          kind)
     end do
-    if (field%columns%swirl > 0) then
-      call hold_component(field, mesh, s, first, n, around, node_swirl(column), kind)
-    end if
   end subroutine walls_hold
 
   !> The same for component `a`, stored in `column`; the wall across it comes last: nothing passes
@@ -171,7 +205,7 @@ contains
     integer, intent(in) :: axis, plane1, plane2
     integer, intent(in) :: columns(:)
     integer, intent(in) :: kinds(:)              !! (columns) wall_kick or wall_speed
-    integer :: side, s, first, last, ghost, image, c, a, n, from, to
+    integer :: side, s, first, last, ghost, image, c, a, n, from, to, at
     if (.not. kernel_folds(field%kernel)) return
     do side = 1, 2
       if (mesh%wall(side, axis) == wall_free) cycle
@@ -181,15 +215,12 @@ contains
         call ghost_records(field, s, axis, ghost, image, to, from, n)
         if (n == 0) cycle
         do c = 1, size(columns)
-          do a = 1, field%ndim
+          do a = 1, vector_components(field%columns, field%ndim)
+            at = vector_column(field%columns, columns(c), a)
             call mirror(n, vector_parity(a, axis, mesh%wall(side, axis)), &
-                        mesh%wall_motion(a, side, axis, kinds(c)), &
-                        field%node(from, columns(c) + a - 1), field%node(to, columns(c) + a - 1))
+                        mesh%wall_motion(a, side, axis, kinds(c)), field%node(from, at), &
+                        field%node(to, at))
           end do
-          if (field%columns%swirl == 0) cycle
-          a = node_swirl(columns(c))
-          call mirror(n, vector_parity(around, axis, mesh%wall(side, axis)), 0.0_dp, &
-                      field%node(from, a), field%node(to, a))
         end do
       end do
     end do

@@ -10,6 +10,7 @@ module sgmp_driven_part
             driven_part_start, driven_totals
 
   integer, parameter :: driven_totals = drive_sums - 1  !! of force, torque and power over time
+  integer, parameter :: around = 3           !! component around the axis
 
   !> One prescription.
   type :: driven_part_t
@@ -35,7 +36,7 @@ contains
       if (part%motion%turns) then
         part%motion%spin(d) = part%motion%omega(d)%evaluate(nowhere, nowhere, 0.0_dp)
       end if
-      if (part%axes(d)) then
+      if (part%axes(d) .and. .not. (d == around .and. part%drive%about_axis)) then
         part%drive%velocity(d) = part%velocity(d)%evaluate(nowhere, nowhere, 0.0_dp)
       end if
     end do
@@ -45,6 +46,11 @@ contains
                                         w(2), -w(1), 0.0_dp], [3, 3])
       end associate
       part%motion%gradient_before = part%motion%gradient
+    end if
+    if (turns_around(part)) then
+      part%motion%spin(around) = part%motion%omega(around)%evaluate(nowhere, nowhere, 0.0_dp)
+      part%drive%spin = part%motion%spin(around)
+      part%drive%spin_before = part%drive%spin
     end if
     part%drive%acts = .true.
     part%drive%axes = part%axes
@@ -68,10 +74,15 @@ contains
       if (part%motion%turns) then
         part%motion%spin(d) = part%motion%omega(d)%evaluate(nowhere, nowhere, middle)
       end if
-      if (part%axes(d)) then
+      if (part%axes(d) .and. .not. (d == around .and. part%drive%about_axis)) then
         part%drive%velocity(d) = part%velocity(d)%evaluate(nowhere, nowhere, middle)
       end if
     end do
+    if (turns_around(part)) then
+      part%motion%spin(around) = part%motion%omega(around)%evaluate(nowhere, nowhere, middle)
+      part%drive%spin_before = part%drive%spin
+      part%drive%spin = part%motion%spin(around)
+    end if
     if (part%motion%turns) call motion_plan(part%motion, part%drive%velocity, dt)
     part%drive%centre = part%motion%centre
     part%drive%gradient = part%motion%gradient
@@ -92,7 +103,15 @@ contains
     part%drive%centre = part%motion%centre
     part%drive%gradient_before = part%motion%gradient_before
     part%drive%before = part%drive%velocity
+    part%drive%spin_before = part%drive%spin
   end subroutine driven_part_advance
+
+  !> Whether an angular velocity about the axis of the scene is prescribed.
+  pure function turns_around(part) result(yes)
+    type(driven_part_t), intent(in) :: part
+    logical :: yes
+    yes = part%drive%about_axis .and. part%axes(around)
+  end function turns_around
 
   !> Adds the sums of a step to those since the start.
   pure subroutine driven_part_book(part, dt, sums)

@@ -46,8 +46,8 @@ module sgmp_build_model
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
-  use sgmp_scene, only: body_card_t, layout_graded, layout_lattice, scene_space, scene_t, &
-                        time_card_t
+  use sgmp_scene, only: body_card_t, layout_gauss, layout_graded, layout_lattice, scene_space, &
+                        scene_t, time_card_t
   use sgmp_seeding, only: seeding_check_inside, seeding_check_overlap, seeding_check_size, &
                           seeding_generate, survey_t
   use sgmp_self_contact, only: self_labels
@@ -56,10 +56,11 @@ module sgmp_build_model
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor, strength_variate
   use sgmp_sums, only: removed_causes, removed_sums
+  use sgmp_swirl_driven, only: swirl_driven_start
   use sgmp_team, only: team_make
   use sgmp_totals, only: body_sums_t
   use sgmp_turn, only: infinite_length
-  use sgmp_update, only: update_usavg
+  use sgmp_update, only: update_usavg, update_usf
   use sgmp_vectors, only: cross
   use sgmp_wall_motion, only: wall_motion_start
   implicit none
@@ -184,6 +185,7 @@ contains
     method%debris_speed = debris_speed(scene)
     method%features = scene%features
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
+    method%rubs_at_surface = method%rotation .and. .not. scene%swirl  ! its levers lie in the plane
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
@@ -343,7 +345,9 @@ contains
       if (seeded) call set_rotation(card, mesh, body)
       call set_strength(body)
       call set_flaws(mesh, body)
-      if (card%layout == layout_graded) call set_stretch(mesh, body)
+      if (mesh%graded .and. any(card%layout == [layout_gauss, layout_graded])) then
+        call set_stretch(mesh, body)
+      end if
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)
@@ -366,6 +370,7 @@ contains
       call absorbing_fill(scene%bodies(number), scene%gravity, mesh, body, error)
     end if
     if (.not. allocated(error)) call driven_fill(scene, number, mesh, body, error)
+    if (.not. allocated(error)) call swirl_driven_start(mesh, body)
   end subroutine fill_loads
 
   !> Axes of stress and deformation: with swirl those of space.
@@ -390,6 +395,9 @@ contains
       if (law%failure%weibull > 0.0_dp .and. .not. law%rigid) call slots_ask(slots, 'strength', one)
       if (law%scatter%weibull > 0.0_dp .and. .not. law%rigid) then
         call slots_ask(slots, 'yield_factor', one)
+      end if
+      if (law%erosion%time_step > 0.0_dp .and. scene%method%update == update_usf) then
+        call slots_ask(slots, 'reach', none(:1))
       end if
       call ask_flaws(law%failure%flaws%number, law%rigid, slots)
       if (scene%method%volumes_kept .and. law%eos /= eos_none .and. law_is_spherical(law)) then

@@ -227,11 +227,13 @@ contains
     end if
     call check_reach(body, low, high, cell, grid_lower, ndim, error)
     if (allocated(error)) return
-    if (body%layout == layout_gauss) then
+    if (any(body%axes%graded)) then
+      corner = grid_lower
+      if (body%layout == layout_graded) corner = shapes_anchor(body%shapes)
+      call lattice_graded(lower, upper, corner, body%axes(:ndim), body%cell, body%ppc, &
+                          body%layout == layout_gauss, lattice, status)
+    else if (body%layout == layout_gauss) then
       call lattice_gauss(lower, upper, grid_lower, cell, body%ppc, ndim, lattice, status)
-    else if (body%layout == layout_graded) then
-      call lattice_graded(lower, upper, shapes_anchor(body%shapes), body%axes(:ndim), body%cell, &
-                          body%ppc, lattice, status)
     else
       corner = body%lattice_origin
       if (any(corner >= infinite_length)) corner = shapes_anchor(body%shapes)
@@ -434,17 +436,20 @@ contains
     end do
   end subroutine seeding_check_inside
 
-  !> An error where a particle is wider than half of a cell of a grid with unequal cells.
+  !> An error where a particle is wider than half of a cell of a grid with unequal cells. Gauss
+  !! points divide what lies between nodes, in a grading up to a quarter more than between centres.
   subroutine seeding_check_size(body, mesh, coordinates, volumes, error)
     type(body_card_t), intent(in) :: body
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: coordinates(:, :)    !! (3, n) of its particles (cells)
     real(dp), intent(in) :: volumes(:)
     type(error_t), allocatable, intent(inout) :: error
-    real(dp), parameter :: most = 0.5_dp*(1.0_dp + 1.0e-6_dp)
-    real(dp) :: side
+    real(dp), parameter :: between_centres = 0.5_dp*(1.0_dp + 1.0e-6_dp)
+    real(dp), parameter :: between_nodes = 1.25_dp*between_centres
+    real(dp) :: side, most
     integer :: p
     if (.not. mesh%graded) return
+    most = merge(between_nodes, between_centres, body%layout == layout_gauss)
     do p = 1, size(volumes)
       side = mesh_occupied(mesh, coordinates(:, p), volumes(p))**(1.0_dp/mesh%ndim)
       if (side <= most) cycle

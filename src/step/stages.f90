@@ -39,6 +39,7 @@ module sgmp_stages
   use sgmp_debris_stages, only: phase_collisions, phase_debris_mass
   use sgmp_driven_parts, only: driven_any, driven_book, driven_choose, driven_publish
   use sgmp_erosion_account, only: erosion_account
+  use sgmp_erosion_stages, only: erosion_open
   use sgmp_features, only: features_t
   use sgmp_kinds, only: dp
   use sgmp_loss_account, only: loss_account
@@ -106,6 +107,9 @@ contains
   subroutine stage_open(model)
     type(model_t), intent(inout) :: model
     if (model%method%removes) call removal_open(model%clock%time, model%bodies)
+    if (model%method%erodes) call erosion_open(model%mesh%h*merge(1.0_dp, model%clock%cfl, &
+                                                                  model%clock%fixed > 0.0_dp), &
+                                               model%bodies)
     if (driven_any(model%fields)) call driven_publish(model%bodies, model%fields)
     if (model%method%rotation) then
       call phase_rotation(model%method, model%mesh, model%fields, model%bodies, model%team, &
@@ -345,8 +349,9 @@ contains
     if (.not. model%method%damped) return
     factor = damping_factor(model%method, model%clock%time, dt_kick, &
                             model%ledger%kinetic_before, model%ledger%kinetic)
-    if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%fields, &
-                                           model%bodies, model%totals%bodies, model%ledger)
+    if (factor < 1.0_dp) call damping_slow(factor, model%team%threads, model%mesh, &
+                                           model%fields, model%bodies, model%totals%bodies, &
+                                           model%ledger)
     call timers_stop(model%timers, phase_kick)
   end subroutine slow_down
 

@@ -5,7 +5,7 @@
 !!
 !! MPM and GIMP read the nodes themselves; for them the records are copies of the nodal values.
 module DIM(sgmp_auxmesh)
-  use sgmp_columns, only: collide_kick, node_acceleration, node_swirl, &
+  use sgmp_columns, only: collide_kick, node_acceleration, node_swirl, node_velocity, &
                           relax_dilation, relax_total
   use sgmp_field, only: field_t
   use CARTESIAN(sgmp_graded_rows), only: graded_slopes
@@ -161,11 +161,11 @@ contains
 
   !> Adds to the records of one plane what particles read of swirl: slopes of the rate that belongs
   !! to the vector that is differentiated, and its acceleration where velocities are kicked.
-  pure subroutine auxmesh_swirl(field, mesh, plane, kick, gradient, before, stride, records)
+  pure subroutine auxmesh_swirl(field, mesh, plane, kick, pic, gradient, before, stride, records)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane                 !! plane of the field
-    logical, intent(in) :: kick
+    logical, intent(in) :: kick, pic             !! the acceleration, the rate after it
     integer, intent(in) :: gradient              !! as for auxmesh_fill
     integer, intent(in) :: before                !! components of a record before swirl's
     integer, intent(in) :: stride                !! components of a record
@@ -186,6 +186,8 @@ contains
       end if
       if (kick) call fill_value(field, s, field%work%first(s), n, node_swirl(node_acceleration), &
                                 stride, records(q, point))
+      if (pic) call fill_value(field, s, field%work%first(s), n, &
+                               node_swirl(node_velocity(NDIM)), stride, records(q + 1, point))
     end do
   end subroutine auxmesh_swirl
 

@@ -59,26 +59,26 @@ def spall(luck, numbers):
     return f"failure {numbers['name']} {first} carries={luck.choice(('nothing', 'pressure', 'everything'))}"
 
 
-def walls(luck, card, axes, rubs):
-    """A wall card, some of whose slip walls let waves out instead, of a source, too; and cards of walls that rub, where
-    they may."""
+def walls(luck, card, axes, absorbs):
+    """A wall card, some of whose slip walls let waves out instead, of a source, too, where they may; and cards of walls
+    that rub."""
     words, more = card.split(), []
     for n, word in enumerate(words[1:], 1):
         face, kind = word.split("=")
         if kind != "slip":
             continue
         what = luck.choice(("", "absorbing", "rubs", "rubs"))
-        if what == "absorbing":
+        if what == "absorbing" and absorbs:
             words[n] = f"{face}=absorbing"
-        elif what and rubs and len(axes) > 1:
+        elif what == "rubs" and len(axes) > 1:
             more.append(f"wallfriction {face} friction={luck.choice((0.1, 0.5, 3))}")
     if any(word.endswith("=absorbing") for word in words) and len(axes) > 1 and luck.random() < 0.4:
         words.append("centre=" + vector([0 if axis == "r" else luck.choice((-3, 1, 4)) for axis in axes]))
     return " ".join(words), more
 
 
-def moved(luck, name, axes, block):
-    """A part of a body that is moved along some axes, for good or for a while."""
+def moved(luck, name, axes, block, swirl=False):
+    """A part of a body that is moved along some axes or turned about one, for good or for a while."""
     axis = luck.choice(axes)
     low, side = block.lower[axes.index(axis)], block.size[axes.index(axis)]
     place = luck.choice((f"{axis}<{low + 0.4*side:g}", f"{axis}>{low + 0.6*side:g}"))
@@ -86,6 +86,8 @@ def moved(luck, name, axes, block):
     ways = " ".join(f'{along}="{luck.choice(("0", "0.05", "0.1*sin(t)", "-0.1*min(t,1)"))}"' for along in chosen)
     if len(axes) == 3 and luck.random() < 0.3:
         ways = f"omega_z=0.05 about={vector(block.lower)}"
+    if swirl:
+        ways = luck.choice((ways, f"{ways} spin=0.05", 'spin="0.1*sin(t)"'))
     return f'motion {name} where="{place}" {ways}' + luck.choice(("", "", " until=1"))
 
 

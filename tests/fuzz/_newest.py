@@ -77,14 +77,14 @@ def ceramic(luck, numbers):
     ]
 
 
-def keyed(luck, lines, axes):
+def keyed(luck, lines, axes, joined=False):
     """Lines of a deck with keys that are not drawn elsewhere, at most one kind to a card."""
     found = []
     for line in lines:
         words = line.split(" ", 3)
         named = words[0] in ("material", "eos")
         begins = " ".join(words[0:3:2] if named else words[:2])
-        turns = "swirl=yes" in lines[0] or "rotation=" in line  # takes flip=1
+        turns = "swirl=yes" in lines[0] and not joined or "rotation=" in line  # takes flip=1
         fits = [
             key
             for first, needs, key in KEYS

@@ -22,7 +22,7 @@ CHOICES = (
     ("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"),
     ("", "rotation"), ("", "drift"), ("", "split"), ("", "flip<1"), SPACES,
 )
-ACCEPTED = 944
+ACCEPTED = 984
 WORDS = {
     "normalised": "stress=normalised",
     "kept": "volumes=kept",

@@ -86,6 +86,22 @@ body disc cylinder material=rubber centre=(0,0) axis=(0,1) radius=1 length=1
 velocity disc spin=0.1
 damping rate=slow
 """
+# A block between a plate at rest and one that moves along itself for a while.
+SHEARED = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=0.125 x=open:open y=0:1
+wall y-=fixed y+=fixed
+wallmotion y+ x="0.002*min(t/2,1)*min(max(22-t,0)/2,1)"
+method $method update=$update
+time end=30 cfl=0.4
+material m elastic density=1 young=250 poisson=0.25
+body b block material=m lower=(0,0) upper=(4,1) ppc=2
+damping rate=2
+history every=1
+output csv at=end fields=stress
+"""
 TUMBLING = """
 dimension 2
 grid cell=1/4
@@ -236,6 +252,23 @@ def weights(report):
         report.check(abs(result["energy.drift"]) < 0.05, f"weight_critical: drift {result['energy.drift']}")
 
 
+def plates(report):
+    """Walls that move shear a block while it is damped: the stress of simple shear in its middle, the work of the wall
+    is in it or taken; images behind walls keep what belongs to the walls."""
+    stress = 100*0.002*20
+    for method, update in (("sgmp", "musl"), ("sgmp", "usf"), ("sgmp", "usl"), ("sgmp", "usavg"), ("bspline", "usl")):
+        for name, deck in ((f"plates_{method}_{update}", SHEARED),
+                           (f"stops_{method}_{update}", SHEARED.replace("rate=2", "kinetic=yes"))):
+            result = run(name, deck, method=method, update=update)
+            if not report.finished(result, name):
+                continue
+            middle = [row["stress_xy"] for row in result.table("particles_end.csv")
+                      if abs(row["x"] - 2) < 0.5 and abs(row["y"] - 0.5) < 0.3]
+            mean = sum(middle)/len(middle)
+            report.check(abs(mean/stress - 1) < 0.015, f"{name}: stress {mean:.5f} instead of {stress}")
+            ledger(report, name, result, 2e-3)
+
+
 def rest(report):
     """What is at rest under a load stays where it is, whatever updates the stress: an inclined strip with
     rotation=exact, its places at two times."""
@@ -275,6 +308,7 @@ if __name__ == "__main__":
     flight(REPORT)
     equilibrium(REPORT)
     weights(REPORT)
+    plates(REPORT)
     rest(REPORT)
     bits(REPORT)
     REPORT.end()

@@ -104,6 +104,26 @@ def books(report):
             )
 
 
+def any_step(report):
+    """With any update, with a Courant number that the program chooses, and with steps that are fixed: there a Courant
+    number of 1 counts, here of the particle with c + |v| = 10 at a step of 0.1."""
+    cases = [(words, limit, goes) for words, limit, goes in (
+        ("cfl=0.5", 0.04, False), ("cfl=0.5", 0.053, True), ("cfl=auto", 0.04, False), ("cfl=auto", 0.21, True),
+        ("dt=0.02", 0.099, False), ("dt=0.02", 0.101, True))]
+    for update in ("musl", "usf", "usl", "usavg"):
+        for words, limit, goes in cases:
+            name = f"any_{update}_{words.replace('=', '')}_{limit}"
+            deck = FAST.format(erode=f"erode m time_step={limit}").replace("cfl=0.5", words)
+            result = run(name, deck + f"method sgmp update={update}\n")
+            if not report.finished(result, name):
+                continue
+            found = result["eroded.particles"]
+            report.check(found == (1 if goes else 0), f"{name}: {found} eroded")
+            rows = result.table("history.csv")
+            if goes and words == "cfl=0.5":  # the step that it forces is the first alone
+                report.check(rows[-1]["dt"] > 0.1, f"{name}: steps of {rows[-1]['dt']}")
+
+
 def steps(report):
     """A particle with c + |v| = 10 forces steps of 0.05, the others of 0.5; at the limit it stays."""
     for limit, goes in ((0.04, False), (0.053, True), (0.4, True)):
@@ -138,6 +158,7 @@ def main():
     report = Report()
     books(report)
     steps(report)
+    any_step(report)
     nothing(report)
     report.end()
 

@@ -363,6 +363,23 @@ def bar(report):
     report.check(abs(result["energy.remainder"]) < 1e-12*rows[0]["kinetic_energy"], "bar: identity of kinetic energy")
 
 
+def gauss(report):
+    """The same bar with Gauss points of the cells, of which the last is cut: all of its mass, the same vibration."""
+    for points in (2, 3):
+        deck = changed(BAR, ("layout=graded ppc=2", f"layout=gauss ppc={points}"), ("at=end", "at=end fields=volume"))
+        result = run(f"gauss_{points}", deck)
+        if not report.finished(result, f"gauss {points}"):
+            continue
+        rows = result.table("history.csv")
+        rate = math.pi*math.sqrt(200e3/7.85e-3)/(2*40)
+        off = max(abs(row["kinetic_energy"]/rows[0]["kinetic_energy"] - math.cos(rate*row["time"])**2) for row in rows)
+        report.check(off < 0.02, f"gauss {points}: kinetic energy off by {off}")
+        mass = result.table("bodies.csv")[-1]["mass"]
+        report.check(abs(mass/(7.85e-3*40) - 1) < 1e-12, f"gauss {points}: mass {mass}")
+        volumes = sorted({round(row["volume"], 9) for row in result.table("particles_end.csv")})
+        report.check(len(volumes) > 4*points, f"gauss {points}: {len(volumes)} sizes of particles")
+
+
 def pulled(report):
     """Stress E u/L all along, whatever the cells: u = 0.03, of the 39 to 40 that are free. Next to what is moved stress
     is not: the motion begins within a cell."""
@@ -578,8 +595,8 @@ def comes(report):
 def main():
     """All checks."""
     report = Report()
-    for check in (flights, rest, rings, torsion, expand, leave, spin, bar, pulled, shock, impact, pressed, turned,
-                  basin, crack, comes, seen, told):
+    for check in (flights, rest, rings, torsion, expand, leave, spin, bar, gauss, pulled, shock, impact, pressed,
+                  turned, basin, crack, comes, seen, told):
         check(report)
     report.end()
 

@@ -211,6 +211,7 @@ SCENES = [
     ("space", SPACE, {"update": "usf"}, FEW),
     ("space_normalised", SPACE, {"stress": "normalised"}, FEW),
     ("dragged", DRAGGED + "balance every=4 gain=0\n", {}, LAYOUTS),
+    ("dragged_damped", DRAGGED + "balance every=4 gain=0\ndamping rate=0.5\n", {}, FEW),
     ("dragged_usf", DRAGGED + "balance every=4 gain=0\n", {"method": "gimp", "update": "usf"}, FEW),
     ("rubbed", RUBBED + "balance every=4 gain=0\n", {}, LAYOUTS),
     ("rubbed_usf", RUBBED + "balance every=4 gain=0\n", {"method": "bspline", "update": "usf"}, FEW),

@@ -10,7 +10,7 @@ module sgmp_contact
   use sgmp_body, only: body_t
   use sgmp_buffer, only: buffer_t
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_remapped, &
-                          node_velocity
+                          node_velocity, vector_components
   use sgmp_contact_distance, only: clouds_t, distance_detect
   use sgmp_contact_ledger, only: ledger_kick, ledger_strain
   use sgmp_contact_levers, only: levers_layout, levers_t
@@ -21,6 +21,7 @@ module sgmp_contact
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
+  use sgmp_node_vectors, only: shared_vector_add, shared_vector_around, shared_vector_length
   use sgmp_rigid_motion, only: motion_kick
   use sgmp_self_contact, only: self_decide, self_t
   use sgmp_shared_nodes, only: node_terms_t, shared_build, shared_mark, shared_meet, &
@@ -85,10 +86,13 @@ contains
     type(field_t), intent(in) :: fields(:)
     type(body_t), intent(in) :: bodies(:)
     integer, intent(in) :: planes(2)       !! first and last k that this rank solves
+    integer :: f
     if (size(contact%pairs) == 0) return
     call memory_take(contact%memory, contact%shared, [-huge(1), huge(1)])
     call shared_build(contact%shared, mesh, fields, bodies, contact%pairs, planes, &
                       contact%at_surface)
+    contact%shared%around = any([(vector_components(fields(f)%columns, mesh%ndim) > mesh%ndim, &
+                                  f=1, size(fields))])
     if (contact%at_surface) call levers_layout(contact%levers, contact%shared, mesh%h)
     call memory_give(contact%memory, contact%shared, &
                      contact%pairs(:merge(size(contact%pairs), 0, contact%self%on)))
@@ -218,7 +222,7 @@ contains
     type(contact_link_t) :: links(shared%link_start(n + 1) - shared%link_start(n))
     real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
       kick, trial, gained
-    real(dp) :: inverse_mass(3, size(velocity, 2))
+    real(dp) :: inverse_mass(3, size(velocity, 2)), length
     logical :: moving(size(velocity, 2))
     integer :: which(size(links)), l, k, m, nd, active
     shared%terms(n) = node_terms_t()
@@ -259,6 +263,7 @@ contains
         end if
       end associate
     end do
+    length = shared_vector_length(shared, n, bodies, fields)
     trial = velocity
     if (active > 0) call resolve_trial(links(:active), inverse_mass, velocity, kick)
     gained = 0.0_dp
@@ -274,10 +279,10 @@ contains
     do k = 1, size(inverse_mass, 2)
       if (active == 0 .or. all(inverse_mass(:, k) <= 0.0_dp)) cycle
       m = shared%member_start(n) + k - 1
-      associate (node => fields(shared%field(m))%node, i => shared%record(m))
-        call add_vector(node(i, :), node_velocity(nd), velocity(:nd, k) - trial(:nd, k))
-        call add_vector(node(i, :), node_acceleration, &
-                        inverse_mass(:nd, k)*gained(:nd, k)/step%dt_kick)
+      associate (field => fields(shared%field(m)), i => shared%record(m))
+        call shared_vector_add(field, i, node_velocity(nd), velocity(:, k) - trial(:, k), length)
+        call shared_vector_add(field, i, node_acceleration, &
+                        inverse_mass(:, k)*gained(:, k)/step%dt_kick, length)
       end associate
     end do
     if (shared%driven) call push_driven(shared, n, fields, inverse_mass)
@@ -391,9 +396,9 @@ contains
     do k = 1, size(inverse_mass, 2)
       if (all(inverse_mass(:, k) <= 0.0_dp)) cycle
       m = shared%member_start(n) + k - 1
-      associate (node => fields(shared%field(m))%node, i => shared%record(m))
-        call add_vector(node(i, :), column, obeying(:nd, k) - velocity(:nd, k))
-      end associate
+      call shared_vector_add(fields(shared%field(m)), shared%record(m), column, &
+                             obeying(:, k) - velocity(:, k), &
+                             shared_vector_length(shared, n, bodies, fields))
     end do
     if (before_kick) return
     kick = 0.0_dp
@@ -408,17 +413,6 @@ contains
     call ledger_strain(shared, n, bodies, fields, inverse_mass, velocity, kick, step%after, &
                        step%gravity)
   end subroutine strain_node
-
-  !> Adds to the vector that begins at a column.
-  pure subroutine add_vector(node, column, change)
-    real(dp), intent(inout) :: node(:)
-    integer, intent(in) :: column
-    real(dp), intent(in) :: change(:)
-    integer :: d
-    do d = 1, size(change)
-      node(column + d - 1) = node(column + d - 1) + change(d)
-    end do
-  end subroutine add_vector
 
   !> A pair that does not meet at the node any more.
   pure subroutine forget(link)
@@ -460,6 +454,7 @@ contains
         inverse_mass(:, k) = merge(0.0_dp, inverse_mass(:, k), pinned)
       end associate
     end do
+    call shared_vector_around(shared, n, bodies, fields, column, vector, inverse_mass)
   end subroutine contact_gather
 
 end module sgmp_contact

@@ -73,7 +73,7 @@ contains
     model%contact%self%on = any(model%bodies%family > 0)
     ! Without friction the surface and the nodes are alike, and the levers would be worked out for
     ! nothing.
-    model%contact%at_surface = model%method%rotation .and. &
+    model%contact%at_surface = model%method%rubs_at_surface .and. &
                                any(model%contact%pairs%friction > 0.0_dp)
   end subroutine contact_pairs
 

@@ -36,6 +36,7 @@ module sgmp_shared_nodes
   type :: shared_nodes_t
     integer :: ndim = 3, kernel = kernel_sgmp
     logical :: at_surface = .false.             !! friction acts there (sgmp_contact_levers)
+    logical :: around = .false.                 !! nodes have a velocity around the axis
     integer :: nodes = 0, members = 0, links = 0
     integer, allocatable :: point(:, :)         !! (3, nodes) i, j, k
     logical, allocatable :: held(:, :)

@@ -10,11 +10,13 @@ module sgmp_damping_stages
   use sgmp_energy, only: ledger_t
   use sgmp_field, only: field_t
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
   use sgmp_method, only: method_t
   use sgmp_motion, only: motion_velocity
   use sgmp_particles, only: particles_t
   use sgmp_rigid_bodies, only: rigid_field
   use sgmp_totals, only: body_sums_t
+  use sgmp_walls, only: walls_slow
   implicit none
   private
   public :: damping_factor, damping_slow
@@ -36,9 +38,10 @@ contains
   end function damping_factor
 
   !> Multiplies velocities and momenta by a factor and books the energy that this takes.
-  subroutine damping_slow(factor, threads, fields, bodies, sums, ledger)
+  subroutine damping_slow(factor, threads, mesh, fields, bodies, sums, ledger)
     real(dp), intent(in) :: factor
     integer, intent(in) :: threads
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: fields(:)
     type(body_t), intent(inout) :: bodies(:)
     type(body_sums_t), intent(inout) :: sums(:)  !! (bodies)
@@ -56,7 +59,7 @@ contains
       sums(b)%kinetic = factor**2*sums(b)%kinetic
     end do
     do f = 1, size(fields)
-      if (rigid_field(bodies, f) == 0) call slow_field(factor, fields(f))
+      if (rigid_field(bodies, f) == 0) call slow_field(factor, mesh, fields(f))
     end do
     call damping_book(ledger, factor)
   end subroutine damping_slow
@@ -80,11 +83,16 @@ contains
   end subroutine slow_particles
 
   !> All that is a momentum in the sums of a field, for the step to come.
-  subroutine slow_field(factor, field)
+  subroutine slow_field(factor, mesh, field)
     real(dp), intent(in) :: factor
+    type(mesh_t), intent(in) :: mesh
     type(field_t), intent(inout) :: field
     associate (columns => field%columns)
-      call scale(columns%momentum, field%ndim, factor)
+      if (any(columns%behind > 0)) then
+        call walls_slow(field, mesh, factor)
+      else
+        call scale(columns%momentum, field%ndim, factor)
+      end if
       if (columns%swirl > 0) call scale(columns%swirl, 1, factor)
       if (columns%square > 0) call scale(columns%square, 1, factor**2)
     end associate

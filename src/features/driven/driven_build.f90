@@ -38,6 +38,7 @@ contains
         new%axes = card%axes
         new%velocity = card%velocity
         new%drive%pic = 1.0_dp - scene%method%flip
+        new%drive%about_axis = card%about_axis
         new%until = card%until
         new%motion%turns = card%turns
         new%motion%centre = card%about

@@ -12,13 +12,15 @@
 !! moves as a whole takes torque and work to round-off: m A acts at their places and not at those of
 !! the nodes, and dt/2 m |A|^2 (drive_jolt), which is more at the nodes, is that of the particles.
 module sgmp_driven_nodes
-  use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_velocity
+  use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, node_velocity, &
+                          vector_column, vector_components
   use sgmp_drive, only: drive_add, drive_jolt, drive_sums, drive_velocity, drive_velocity_before, &
                         most_drives
   use sgmp_field, only: field_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_places, mesh_t
+  use sgmp_node_vectors, only: vector_length
   use sgmp_rows, only: key_j, key_k
   use sgmp_wall_work, only: holding_wall
   implicit none
@@ -29,6 +31,8 @@ module sgmp_driven_nodes
   !> Part of a node's mass that makes it driven. Where a part ends on a line of nodes these have
   !! one half, about an axis 1/2 - h/(6 r) where the part is the inner one.
   real(dp), parameter :: least_part = 0.15_dp
+
+  integer, parameter :: around = 3             !! component around the axis
 
 contains
 
@@ -50,7 +54,7 @@ contains
       record = field%neighbour(0, 0, s) + first + i - 1
       call parts_of(field, mesh, s, first + i - 1, record, point, part, rules)
       if (.not. any(part > 0.0_dp)) cycle
-      call speeds(field, mesh, point, part, place, v, before)
+      call speeds(field, mesh, record, point, part, place, v, before)
       call hold(field, record, m(i), dt, part, rules, v, before, force, power, extra)
       do k = 1, size(field%drives)
         if (.not. part(k) > 0.0_dp) cycle
@@ -71,33 +75,36 @@ contains
     real(dp), intent(in) :: part(most_drives), v(3, most_drives), before(3, most_drives)
     logical, intent(in) :: rules(3, most_drives)
     real(dp), intent(out) :: force(3, most_drives), power(most_drives), extra(most_drives)
-    real(dp) :: share(most_drives), now, was, kick, own, mass, pic
+    real(dp) :: share(most_drives), now, was, kick, own, mass, pic, scale
     integer :: a
     pic = maxval(field%drives%pic)
     force = 0.0_dp
     power = 0.0_dp
     extra = 0.0_dp
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       if (.not. any(rules(a, :))) cycle
       share = merge(part, 0.0_dp, rules(a, :))
       share = share/sum(share)
       now = sum(share*v(a, :))
       was = sum(share*before(a, :))
       kick = (now - was)/dt
-      associate (velocity => field%node(record, node_velocity(field%ndim) + a - 1), &
-                 acceleration => field%node(record, node_acceleration + a - 1))
+      scale = vector_length(field, record, a)
+      associate (velocity => &
+                   field%node(record, vector_column(field%columns, node_velocity(field%ndim), a)), &
+                 acceleration => &
+                   field%node(record, vector_column(field%columns, node_acceleration, a)))
         if (field%node(record, node_inverse_mass(field%ndim)) > 0.0_dp) then
           mass = m
           if (a == 1 .and. field%columns%radial > 0) mass = mass*field%node(record, node_inertia)
-          own = velocity - dt*acceleration
-          force(a, :) = share*(mass*(kick - acceleration))
+          own = scale*(velocity - dt*acceleration)
+          force(a, :) = share*(mass*(kick - scale*acceleration))
           ! PIC reads V- of the node where p/m would keep the momentum.
           if (pic > 0.0_dp) force(a, :) = force(a, :) + share*(mass*(pic*(was - own)/dt))
           power = power + force(a, :)*(0.5_dp*(now + was)) + share*(mass*kick*(own - was))
           extra = extra + share*(mass*kick*(own - was))
-          acceleration = kick
+          acceleration = kick/scale
         end if
-        velocity = now
+        velocity = now/scale
       end associate
     end do
   end subroutine hold
@@ -109,9 +116,10 @@ contains
     real(dp) :: acceleration(3)
     integer :: a
     acceleration = 0.0_dp
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       if (field%drives(k)%axes(a)) then
-        acceleration(a) = field%node(record, node_acceleration + a - 1)
+        acceleration(a) = vector_length(field, record, a)* &
+                          field%node(record, vector_column(field%columns, node_acceleration, a))
       end if
     end do
   end function accelerated
@@ -132,12 +140,13 @@ contains
       record = field%neighbour(0, 0, s) + first + i - 1
       call parts_of(field, mesh, s, first + i - 1, record, point, part, rules)
       if (.not. any(rules)) cycle
-      call speeds(field, mesh, point, part, place, v, before)
+      call speeds(field, mesh, record, point, part, place, v, before)
       if (before_kick) v = before
-      do a = 1, field%ndim
+      do a = 1, vector_components(field%columns, field%ndim)
         if (.not. any(rules(a, :))) cycle
-        field%node(record, column + a - 1) = sum(part*v(a, :), mask=rules(a, :))/ &
-                                             sum(part, mask=rules(a, :))
+        field%node(record, vector_column(field%columns, column, a)) = &
+          sum(part*v(a, :), mask=rules(a, :))/sum(part, mask=rules(a, :))/ &
+          vector_length(field, record, a)
       end do
     end do
   end subroutine driven_nodes_velocity
@@ -189,9 +198,9 @@ contains
     sums = 0.0_dp
     call parts_of(field, mesh, s, i, record, point, part, rules)
     if (.not. any(rules)) return
-    call speeds(field, mesh, point, part, place, v, before)
+    call speeds(field, mesh, record, point, part, place, v, before)
     share = 0.0_dp
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       if (any(rules(a, :))) share(a, :) = merge(part, 0.0_dp, rules(a, :))/ &
                                           sum(part, mask=rules(a, :))
     end do
@@ -214,7 +223,7 @@ contains
     point = [i, key_j(field%work%key(s)), key_k(field%work%key(s))]
     if (field%ndim == 2) point(2) = point(3)
     call shares_of(field, s, i, record, part, rules)
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       if (.not. any(rules(a, :))) cycle
       call holding_wall(mesh, point, a, side, axis)
       if (axis > 0) rules(a, :) = .false.
@@ -238,7 +247,7 @@ contains
       end do
     end associate
     if (sum(part) < least_part) return
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       do k = 1, size(field%drives)
         rules(a, k) = part(k) > 0.0_dp .and. field%drives(k)%axes(a)
       end do
@@ -248,16 +257,19 @@ contains
 
   !> Where a node is, and the velocities there of the parts that have mass, now and in the step
   !! before.
-  pure subroutine speeds(field, mesh, point, part, place, v, before)
+  pure subroutine speeds(field, mesh, record, point, part, place, v, before)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: point(3)
+    integer, intent(in) :: record, point(3)
     real(dp), intent(in) :: part(most_drives)
     real(dp), intent(out) :: place(3), v(3, most_drives), before(3, most_drives)
     integer :: k, n
     n = field%ndim
     place = 0.0_dp
     place(:n) = mesh_places(mesh, real(point(:n), dp))
+    if (vector_components(field%columns, n) > n) then
+      place(1) = mesh%h*vector_length(field, record, around)
+    end if
     v = 0.0_dp
     before = 0.0_dp
     do k = 1, size(field%drives)

@@ -21,9 +21,15 @@ contains
     call archive%pass(part%drive%gradient)
     call archive%pass(part%drive%before)
     call archive%pass(part%drive%gradient_before)
+    if (part%drive%about_axis) then
+      call archive%pass(part%drive%spin)
+      call archive%pass(part%drive%spin_before)
+    end if
     call archive%pass(part%motion%centre)
     call archive%pass(part%motion%gradient_before)
-    if (part%motion%turns) call archive%pass(part%motion%spin)  ! rows of what was let go show it
+    if (part%motion%turns .or. part%drive%about_axis) then  ! rows of what was let go show it
+      call archive%pass(part%motion%spin)
+    end if
     call archive%pass(part%total)
     if (archive%reading) part%drive%axes = part%axes
   end subroutine driven_state_pass

@@ -22,7 +22,7 @@ contains
     call shapes_box(owner%shapes, lower, upper)
     if (ndim > 1) call turn_box(owner%turn, lower, upper)
     call lattice_graded(lower, upper, shapes_anchor(owner%shapes), owner%axes(:ndim), owner%cell, &
-                        owner%ppc, lattice, status)
+                        owner%ppc, .false., lattice, status)
   end subroutine graded_faces_lay
 
   !> Which of the places of the lattice along each axis a particle has.

@@ -13,7 +13,7 @@ module sgmp_swirl
   use sgmp_sums, only: sum_angular, sum_kinetic, sum_mass_aa, sum_swirl, sweep_sums
   implicit none
   private
-  public :: swirl_kick, swirl_drift, swirl_strain, swirl_flux, swirl_collect
+  public :: swirl_blend, swirl_kick, swirl_drift, swirl_strain, swirl_flux, swirl_collect
 
   integer, parameter :: swirl_moments = 2   !! columns: m v_theta X, m X^2
   integer, parameter :: swirl_stresses = 3
@@ -25,6 +25,16 @@ module sgmp_swirl
   real(dp), parameter :: least_radius = 1.0e-12_dp  !! (cells) of a particle on the axis
 
 contains
+
+  !> PIC: a part of v_theta X is that of the grid before the kick.
+  pure subroutine swirl_blend(dt, flip, radius, acceleration, rate, moment)
+    real(dp), intent(in) :: dt, flip           !! velocity step, weight of FLIP
+    real(dp), intent(in) :: radius(lanes), acceleration(lanes)
+    real(dp), intent(in) :: rate(lanes)        !! v_theta/X of the grid after the kick
+    real(dp), intent(inout) :: moment(lanes)   !! v_theta X
+    moment = flip*moment + (1.0_dp - flip)*(max(radius, least_radius)**2* &
+                                            (rate - dt*acceleration))
+  end subroutine swirl_blend
 
   !> v_theta X += dt X^2 a, a the acceleration of v_theta/X; sums for the energy ledger.
   pure subroutine swirl_kick(dt, live, radius, mass, acceleration, moment, lane_sums)

@@ -17,9 +17,12 @@
 !! the velocity that strains the particles is the wall's as well, or they would creep without
 !! stress. There stresses do work on V and not on v, so what goes into friction is
 !! (m a - f_ext) . (v - V): with a wall at rest the kinetic energy that the node loses.
+!!
+!! Where matter turns about the axis slip has a component around it, too (sgmp_node_vectors). Walls
+!! do not turn.
 module sgmp_wall_friction
   use sgmp_columns, only: node_acceleration, node_inertia, node_inverse_mass, &
-                          node_remapped, node_velocity
+                          node_remapped, node_velocity, vector_column, vector_components
   use sgmp_driven_nodes, only: driven_nodes_pin
   use sgmp_features, only: nodes_pressed, nodes_pulled
   use sgmp_field, only: field_base, field_t
@@ -27,6 +30,7 @@ module sgmp_wall_friction
   use sgmp_kernels, only: kernel_centred, kernel_folds
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_free, wall_kick, wall_speed
+  use sgmp_node_vectors, only: vector_length
   use sgmp_rows, only: key_j, key_k
   use sgmp_space, only: space_axisymmetric
   use sgmp_sums, only: nodes_external, nodes_sums, nodes_taken, wall_entry
@@ -115,11 +119,19 @@ contains
     if (field%columns%driven > 0) then
       call driven_nodes_pin(field, s, point(1), field%neighbour(0, 0, s) + point(1), free)
     end if
-    do a = 1, mesh%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       call holding_wall(mesh, point, a, held_side, held_axis)
       free(a) = held_axis == 0 .and. .not. free(a)
     end do
   end function free_components
+
+  !> Columns of a vector of the nodes that begins in a column.
+  pure function columns_of(field, column) result(columns)
+    type(field_t), intent(in) :: field
+    integer, intent(in) :: column
+    integer :: columns(3), a
+    columns = [(vector_column(field%columns, column, a), a=1, 3)]
+  end function columns_of
 
   !> The re-mapped velocity of one node at one wall: where the velocity after the kick is the wall's
   !! it stays so.
@@ -128,15 +140,15 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, point(3), axis, side
     logical :: free(3)
-    integer :: record, nd
-    nd = field%ndim
+    integer :: record, n, from(3), to(3)
+    n = vector_components(field%columns, field%ndim)
     record = field%neighbour(0, 0, s) + point(1)
     free = free_components(field, mesh, s, point)
-    associate (velocity => field%node(record, node_velocity(nd):node_velocity(nd) + nd - 1), &
-               wall => mesh%wall_motion(:nd, side, axis, wall_speed), &
-               remapped => field%node(record, node_remapped:node_remapped + nd - 1))
-      if (any(free(:nd) .and. abs(velocity - wall) > 0.0_dp)) return
-      where (free(:nd)) remapped = wall
+    from = columns_of(field, node_velocity(field%ndim))
+    to = columns_of(field, node_remapped)
+    associate (wall => mesh%wall_motion(:, side, axis, wall_speed))
+      if (any(free(:n) .and. abs(field%node(record, from(:n)) - wall(:n)) > 0.0_dp)) return
+      field%node(record, to(:n)) = merge(wall(:n), field%node(record, to(:n)), free(:n))
     end associate
   end subroutine stick_node
 
@@ -148,15 +160,20 @@ contains
     integer, intent(in) :: s, point(3), axis, side
     real(dp), intent(in) :: m, external(:), dt
     real(dp), intent(inout) :: sums(nodes_sums)
-    real(dp) :: mass(3), slip(3), force(3), pressing, middle, wall_middle
+    real(dp) :: mass(3), scale(3), slip(3), force(3), applied(3), pressing, middle, wall_middle
     logical :: free(3), sticks
-    integer :: record, face, a
+    integer :: record, face, a, at_velocity(3), at_acceleration(3)
     record = field%neighbour(0, 0, s) + point(1)
     if (.not. field%node(record, node_inverse_mass(field%ndim)) > 0.0_dp) return
     free = free_components(field, mesh, s, point)
-    if (.not. any(free(:field%ndim))) return
+    if (.not. any(free(:vector_components(field%columns, field%ndim)))) return
     mass = m
     if (field%space == space_axisymmetric) mass(1) = m*field%node(record, node_inertia)
+    scale = [(vector_length(field, record, a), a=1, 3)]
+    applied = 0.0_dp
+    applied(:field%ndim) = external(:field%ndim)
+    at_velocity = columns_of(field, node_velocity(field%ndim))
+    at_acceleration = columns_of(field, node_acceleration)
     pressing = mass(axis)*field%node(record, node_acceleration + axis - 1) + &
                force_behind(field, mesh, point, axis, side)
     if (side == 1) pressing = -pressing
@@ -164,29 +181,31 @@ contains
     sums(nodes_pressed + face) = sums(nodes_pressed + face) + max(0.0_dp, pressing)
     sums(nodes_pulled + face) = sums(nodes_pulled + face) + max(0.0_dp, -pressing)
     slip = 0.0_dp
-    do a = 1, field%ndim
-      if (free(a)) slip(a) = field%node(record, node_velocity(field%ndim) + a - 1) - &
+    do a = 1, vector_components(field%columns, field%ndim)
+      if (free(a)) slip(a) = scale(a)*field%node(record, at_velocity(a)) - &
                              mesh%wall_motion(a, side, axis, wall_speed)
     end do
     call wall_friction_force(mass*slip/dt, coefficient*pressing, force, sticks)
     if (mesh%walls_weigh) then
-      associate (reaction => sums(wall_entry(side, axis):wall_entry(side, axis) + 2))
-        reaction = reaction + force
+      associate (reaction => sums(wall_entry(side, axis):wall_entry(side, axis) + 2), &
+                 n => field%ndim)
+        reaction(:n) = reaction(:n) + force(:n)
       end associate
     end if
-    do a = 1, field%ndim
+    do a = 1, vector_components(field%columns, field%ndim)
       if (.not. abs(force(a)) > 0.0_dp) cycle
-      associate (acceleration => field%node(record, node_acceleration + a - 1), &
-                 velocity => field%node(record, node_velocity(field%ndim) + a - 1))
-        acceleration = acceleration + force(a)/mass(a)
-        velocity = velocity + dt*force(a)/mass(a)
+      associate (acceleration => field%node(record, at_acceleration(a)), &
+                 velocity => field%node(record, at_velocity(a)))
+        acceleration = acceleration + force(a)/(scale(a)*mass(a))
+        velocity = velocity + dt*force(a)/(scale(a)*mass(a))
         if (sticks) velocity = mesh%wall_motion(a, side, axis, wall_speed)
-        middle = velocity - 0.5_dp*dt*acceleration
+        middle = scale(a)*(velocity - 0.5_dp*dt*acceleration)
       end associate
       wall_middle = mesh%wall_motion(a, side, axis, wall_speed) - &
                     0.5_dp*dt*mesh%wall_motion(a, side, axis, wall_kick)
       sums(nodes_external) = sums(nodes_external) + force(a)*wall_middle
-      if (sticks) force(a) = mass(a)*field%node(record, node_acceleration + a - 1) - external(a)
+      if (sticks) force(a) = mass(a)*scale(a)*field%node(record, at_acceleration(a)) - &
+                             applied(a)
       sums(nodes_taken) = sums(nodes_taken) - force(a)*(middle - wall_middle)
     end do
   end subroutine rub_node

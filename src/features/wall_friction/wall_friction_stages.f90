@@ -2,7 +2,7 @@
 !! them after a run (doc/loads.md).
 module sgmp_wall_friction_stages
   use sgmp_body, only: body_t
-  use sgmp_columns, only: node_remapped, node_velocity
+  use sgmp_columns, only: node_remapped, node_velocity, vector_column, vector_components
   use sgmp_drive, only: drive_sums
   use sgmp_energy_terms, only: energy_terms_t, terms_value
   use sgmp_field, only: field_t
@@ -52,8 +52,9 @@ contains
         call rigid_velocity(bodies(b), mesh, .true., node_velocity(mesh%ndim), fields(f))
         cycle
       end if
-      do a = 0, mesh%ndim - 1
-        fields(f)%node(:, node_velocity(mesh%ndim) + a) = fields(f)%node(:, node_remapped + a)
+      do a = 1, vector_components(fields(f)%columns, mesh%ndim)
+        fields(f)%node(:, vector_column(fields(f)%columns, node_velocity(mesh%ndim), a)) = &
+          fields(f)%node(:, vector_column(fields(f)%columns, node_remapped, a))
       end do
     end do
   end subroutine wall_velocity_rubbed
