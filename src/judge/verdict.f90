@@ -13,8 +13,10 @@ module sgmp_verdict
                                 judge_stressed, judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure
+  use sgmp_judge_fronts, only: judge_fronts
   use sgmp_judge_gases, only: judge_charges, judge_cushions
   use sgmp_judge_heat, only: judge_heat
+  use sgmp_judge_rolling, only: judge_rolling
   use sgmp_judge_spall, only: judge_spall
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
@@ -104,9 +106,11 @@ contains
     call judge_turning(self%opinion, scene, model, self%turn)
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
+    call judge_rolling(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_waves(self%opinion, scene, model)
+    call judge_fronts(self%opinion, model)
     call judge_failure(self%opinion, model, self%failure)
     call judge_spall(self%opinion, scene, model)
     call judge_heat(self%opinion, model, self%heat)

@@ -10,10 +10,11 @@ import _truths_layers
 import _truths_rigid
 import _truths_rubs
 import _truths_solids
+import _truths_turns
 import _truths_water
 
 MODULES = (_truths, _truths_solids, _truths_flows, _truths_layers, _truths_impacts, _truths_water, _truths_rigid,
-           _truths_charges, _truths_rubs, _truths_deep)
+           _truths_charges, _truths_rubs, _truths_deep, _truths_turns)
 CLASSES = {one.__name__.lower(): one for module in MODULES for one in module.CLASSES}
 
 

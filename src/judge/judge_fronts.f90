@@ -1,0 +1,63 @@
+!> What strong blasts in a gas say about a run whose cells they hardly resolve (doc/verdict.md).
+!!
+!! Behind the front of a blast in a thin gas most of what it has met lies in a layer of a sixth
+!! (plane), twelfth (line) or eighteenth (point) of its way. A front is three cells wide: where that
+!! is much of the layer, velocities in it are too large by up to 40 % at its inner side, and their
+!! mean over the mass by 0.15 to 0.45 times what neighbouring points of the grid differ by (mean
+!! square over mean square; class Flash of the random scenes, 40 and 60 cells to the edge).
+module sgmp_judge_fronts
+  use sgmp_constitutive, only: law_gaseous, material_explosive
+  use sgmp_kinds, only: dp
+  use sgmp_model, only: model_t
+  use sgmp_node_motion, only: node_motion
+  use sgmp_opinion, only: opinion_t
+  use sgmp_text, only: percent_text
+  implicit none
+  private
+  public :: judge_fronts
+
+  real(dp), parameter :: weight = 0.48_dp          !! 0.15 to 0.45 found
+  !> Kinetic energy, of all of the gas: strong blasts have 0.2 to 0.28, weaker ones (class Burst)
+  !! less.
+  real(dp), parameter :: least_moving = 0.18_dp
+  real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp, most_error = 0.3_dp
+
+contains
+
+  !> Gas whose motion changes from cell to cell. All ranks must call it.
+  subroutine judge_fronts(opinion, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    real(dp) :: square, change, lost
+    integer :: f
+    if (any(model%bodies%rigid)) return            ! what drives gas drives its layer, too
+    do f = 1, size(model%fields)
+      if (.not. moves(model, f)) cycle
+      call node_motion(model, f, square, change)
+      if (.not. square > 0.0_dp) cycle
+      lost = weight*change/square
+      if (lost < least_told) cycle
+      call opinion%expect(min(most_error, max(least_error, lost)), &
+                          'velocities of the gas change by '//percent_text(sqrt(change/square))// &
+                          ' from cell to cell: the layer behind the front of its blast wants '// &
+                          'smaller cells')
+      return
+    end do
+  end subroutine judge_fronts
+
+  !> Whether a field is that of gases alone, and much of their energy is motion.
+  pure function moves(model, f) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    logical :: yes
+    logical :: own(size(model%bodies))
+    own = model%bodies%field == f
+    associate (laws => model%bodies%law, sums => model%totals%bodies)
+      yes = any(own) .and. .not. any(own .and. (.not. law_gaseous(laws) .or. &
+                                                laws%kind == material_explosive))
+      if (yes) yes = sum(sums%kinetic, mask=own) > &
+                     least_moving*(sum(sums%kinetic, mask=own) + sum(sums%internal, mask=own))
+    end associate
+  end function moves
+
+end module sgmp_judge_fronts
