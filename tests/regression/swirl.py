@@ -68,6 +68,18 @@ body b block material=m lower=(0,0) upper=(1,1) ppc=2
 velocity b spin="1+0.3*sin(5*z)"
 history every=0.5
 """
+# A free rod in its first mode of torsion.
+RINGS = """
+parameter update = musl
+dimension axisymmetric swirl=yes
+grid cell=0.125 r=0:open z=open:open
+method sgmp update=$update flip=0.8
+time end=0.7 cfl=0.4
+material m elastic density=1 young=250 poisson=0.25
+body b block material=m lower=(0,0) upper=(1,4) ppc=2
+velocity b spin="1e-3*cos(pi*z/4)"
+history steps=1
+"""
 
 
 def rates(result):
@@ -150,6 +162,12 @@ def rods(report):
         work = turned["work"] - last["damping_dissipation"]
         report.check(abs(work/energy - 1) < 3e-3, f"{name}: work {work:.6f} instead of {energy:.6f}")
         balanced(report, result, name)
+    result = run("spun", WAVY.replace("velocity b", "motion b spin=0.1*t\nvelocity b").replace("every=0.5", "steps=1"))
+    if report.finished(result, "spun"):  # as a whole: what turns it is its own inertia
+        rows, history = result.table("motion.csv"), result.table("history.csv")
+        gained = sum(row["torque_z"]*(row["time"] - before["time"]) for before, row in zip(rows, rows[1:]))
+        end = history[-1]["angular_momentum"]
+        report.check(abs(gained/(end - history[0]["angular_momentum"]) - 1) < 1e-12, f"spun: {gained} to {end}")
     result = run("rod_pulled", ROD.replace("damping rate=3\n", ""), pull=0.01)
     if report.finished(result, "rod_pulled"):
         balanced(report, result, "rod_pulled")
@@ -163,7 +181,14 @@ def rods(report):
 
 
 def pic(report):
-    """PIC damps waves but neither the angular momentum nor a rigid rotation."""
+    """PIC damps waves but neither the angular momentum nor a rigid rotation; they keep their frequency."""
+    for update in UPDATES:
+        result = run(f"rings_{update}", RINGS, update=update)
+        if report.finished(result, f"rings_{update}"):
+            rows = result.table("history.csv")
+            low = [row["time"] for before, row, after in zip(rows, rows[1:], rows[2:])
+                   if row["kinetic_energy"] <= min(before["kinetic_energy"], after["kinetic_energy"])]
+            report.check(len(low) == 2 and abs((low[1] - low[0])/0.4 - 1) < 0.02, f"rings_{update}: at rest at {low}")
     for update in UPDATES:
         for flip in (0.9, 0):
             name = f"pic_{update}_{flip}"
