@@ -378,6 +378,9 @@ def gauss(report):
         report.check(abs(mass/(7.85e-3*40) - 1) < 1e-12, f"gauss {points}: mass {mass}")
         volumes = sorted({round(row["volume"], 9) for row in result.table("particles_end.csv")})
         report.check(len(volumes) > 4*points, f"gauss {points}: {len(volumes)} sizes of particles")
+        fine = [row["volume"] for row in result.table("particles_end.csv") if 9 < row["x"] < 11]
+        ratio = {2: 1.0, 3: 1.6}[points]  # of the weights
+        report.check(abs(max(fine)/min(fine)/ratio - 1) < 0.01, f"gauss {points}: ratio {max(fine)/min(fine)}")
 
 
 def pulled(report):

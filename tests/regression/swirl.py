@@ -162,11 +162,13 @@ def rods(report):
         work = turned["work"] - last["damping_dissipation"]
         report.check(abs(work/energy - 1) < 3e-3, f"{name}: work {work:.6f} instead of {energy:.6f}")
         balanced(report, result, name)
-    result = run("spun", WAVY.replace("velocity b", "motion b spin=0.1*t\nvelocity b").replace("every=0.5", "steps=1"))
+    result = run("spun", WAVY.replace("velocity b", "motion b spin=0.1+0.1*t\nvelocity b").replace("every=0.5", "steps=1"))
     if report.finished(result, "spun"):  # as a whole: what turns it is its own inertia
         rows, history = result.table("motion.csv"), result.table("history.csv")
         gained = sum(row["torque_z"]*(row["time"] - before["time"]) for before, row in zip(rows, rows[1:]))
         end = history[-1]["angular_momentum"]
+        first = history[0]["angular_momentum"]/(math.pi/2)
+        report.check(abs(first - 0.1) < 1e-3, f"spun: it begins with {first}")
         report.check(abs(gained/(end - history[0]["angular_momentum"]) - 1) < 1e-12, f"spun: {gained} to {end}")
     result = run("rod_pulled", ROD.replace("damping rate=3\n", ""), pull=0.01)
     if report.finished(result, "rod_pulled"):
