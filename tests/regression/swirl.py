@@ -162,7 +162,7 @@ def rods(report):
         work = turned["work"] - last["damping_dissipation"]
         report.check(abs(work/energy - 1) < 3e-3, f"{name}: work {work:.6f} instead of {energy:.6f}")
         balanced(report, result, name)
-    result = run("spun", WAVY.replace("velocity b", "motion b spin=0.1+0.1*t\nvelocity b").replace("every=0.5", "steps=1"))
+    result = run("spun", changed(WAVY, ("velocity b", "motion b spin=0.1+0.1*t\nvelocity b"), ("every=0.5", "steps=1")))
     if report.finished(result, "spun"):  # as a whole: what turns it is its own inertia
         rows, history = result.table("motion.csv"), result.table("history.csv")
         gained = sum(row["torque_z"]*(row["time"] - before["time"]) for before, row in zip(rows, rows[1:]))
