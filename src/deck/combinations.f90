@@ -79,21 +79,14 @@ module sgmp_combinations
     feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
     feature_t('hoop', 'hoop=…', 'method', 'hoop', ask_given, '', 0), &
     feature_t('cfl=auto', '', 'time', 'cfl', ask_word, 'auto', 0), &
-    feature_t('dt', 'dt=…', 'time', 'dt', ask_given, '', 0), &
     feature_t('friction', 'contact with friction', 'contact', 'friction', ask_above, '', 0), &
     feature_t('self', 'contact self=yes', 'contact', 'self', ask_yes, '', 0), &
     feature_t('absorbing', 'an absorbing wall', 'wall', '', ask_any, 'absorbing', 0), &
     feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
-    feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
     feature_t('motion', '', 'motion', '', ask_card, '', 0), &
-    feature_t('damping', 'damping rate=…', 'damping', 'rate', ask_above, '', 0), &
-    feature_t('damping-kinetic', 'damping kinetic=yes', 'damping', 'kinetic', ask_yes, '', 0), &
-    feature_t('erode', '', 'erode', '', ask_card, '', 0), &
-    feature_t('erode-step', 'erode time_step=…', 'erode', 'time_step', ask_given, '', 0), &
     feature_t('blast', '', 'blast', '', ask_card, '', 0), &
     feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', &
               ask_given, '', 0), &
-    feature_t('gauss', 'layout=gauss', 'body', 'layout', ask_word, 'gauss', 0), &
     feature_t('detonation', '', 'detonation', '', ask_card, '', 0), &
     feature_t('average', 'length=…', 'failure', 'length', ask_given, '', 0)]
 

@@ -151,7 +151,6 @@ module sgmp_scene
     type(expression_t) :: motion(3)               !! its velocity, functions of t
     type(expression_t) :: omega(3)                !! and its angular velocity
     real(dp) :: about(3) = 0.0_dp                 !! the point that has that velocity at the start
-    logical :: about_axis = .false.               !! the third axis is around that of the scene
     logical :: about_given = .false.              !! else it is the centre of mass
     logical :: free = .false.                     !! rigid, but forces move it
     real(dp) :: mass = 0.0_dp                     !! of a free body; 0: that of its particles

@@ -3,8 +3,8 @@
 !! A curved surface of particles is a staircase, and contact finds it at nodes: pressure under it is
 !! ragged and turns what rolls to and fro. Disks and balls of 12 to 24 cells across that an incline
 !! draws down are off by up to 12 % in their velocity and 26 % in their spin, with gimp and bspline
-!! by twice the first (class Roll of the random scenes); where friction is so small that they slide, more
-!! of the spin is noise.
+!! by twice the first (class Roll of the random scenes); where friction is so small that they slide,
+!! more of the spin is noise.
 module sgmp_judge_rolling
   use sgmp_constitutive, only: law_is_spherical
   use sgmp_kernels, only: method_sgmp

@@ -3,7 +3,7 @@
 !! Gravity waves of the wave number k are too slow on cells of the side h: with sgmp by 0.9 (kh)^2,
 !! at any depth, with bspline by 0.55 (kh)^2; the others add noise (class Slosh of the random
 !! scenes). A flow with a potential has |grad v|^2 = 2 k^2 v^2 in the mean, so that the velocities
-!! of neighbouring nodes at the end say which k is in it; where waves stand just then, noise may
+!! of neighbouring points at the end say which k is in it; where waves stand just then, noise may
 !! make it larger.
 module sgmp_judge_waves
   use sgmp_constitutive, only: law_liquid

@@ -282,7 +282,7 @@ contains
       associate (field => fields(shared%field(m)), i => shared%record(m))
         call shared_vector_add(field, i, node_velocity(nd), velocity(:, k) - trial(:, k), length)
         call shared_vector_add(field, i, node_acceleration, &
-                        inverse_mass(:, k)*gained(:, k)/step%dt_kick, length)
+                               inverse_mass(:, k)*gained(:, k)/step%dt_kick, length)
       end associate
     end do
     if (shared%driven) call push_driven(shared, n, fields, inverse_mass)
@@ -372,7 +372,7 @@ contains
     logical, intent(in) :: before_kick
     real(dp), dimension(3, shared%member_start(n + 1) - shared%member_start(n)) :: velocity, &
       obeying, kick
-    real(dp) :: inverse_mass(3, size(velocity, 2))
+    real(dp) :: inverse_mass(3, size(velocity, 2)), length
     logical :: moving(size(velocity, 2))
     integer :: l, k, m, nd, column
     associate (links => shared%link(shared%link_start(n):shared%link_start(n + 1) - 1), &
@@ -393,12 +393,12 @@ contains
       obeying = velocity
       call resolve_strain(links, inverse_mass, obeying)
     end associate
+    length = shared_vector_length(shared, n, bodies, fields)
     do k = 1, size(inverse_mass, 2)
       if (all(inverse_mass(:, k) <= 0.0_dp)) cycle
       m = shared%member_start(n) + k - 1
       call shared_vector_add(fields(shared%field(m)), shared%record(m), column, &
-                             obeying(:, k) - velocity(:, k), &
-                             shared_vector_length(shared, n, bodies, fields))
+                             obeying(:, k) - velocity(:, k), length)
     end do
     if (before_kick) return
     kick = 0.0_dp
