@@ -1,10 +1,11 @@
-!> What strong blasts in a gas say about a run whose cells they hardly resolve (doc/verdict.md).
+!> What blasts in a gas say about a run whose cells they hardly resolve (doc/verdict.md).
 !!
-!! Behind the front of a blast in a thin gas most of what it has met lies in a layer of a sixth
-!! (plane), twelfth (line) or eighteenth (point) of its way. A front is three cells wide: where that
-!! is much of the layer, velocities in it are too large by up to 40 % at its inner side, and their
-!! mean over the mass by up to 0.21 times what neighbouring points of the grid differ by (root mean
-!! squares over each other; class Flash of the random scenes, 40 to 160 cells to the edge).
+!! Behind the front of a strong blast most of what it has met lies in a layer of a sixth (plane),
+!! twelfth (line) or eighteenth (point) of its way; a ball of gas that bursts has pushed only some
+!! cells of the gas around it when it begins. A front is three cells wide. Where that is much of the
+!! layer, the mean of the velocity over the mass is off by up to 0.15 times what neighbouring points
+!! of the grid differ by (root mean squares over each other), and the radius of the front by 5 %
+!! (classes Flash and Burst of the random scenes).
 module sgmp_judge_fronts
   use sgmp_constitutive, only: law_gaseous, material_explosive
   use sgmp_kinds, only: dp
@@ -16,11 +17,10 @@ module sgmp_judge_fronts
   private
   public :: judge_fronts
 
-  real(dp), parameter :: weight = 0.22_dp          !! 0.01 to 0.21 found, the most about an axis
-  !> Kinetic energy, of all of the gas: strong blasts have 0.2 to 0.28, weaker ones (class Burst)
-  !! less.
-  real(dp), parameter :: least_moving = 0.18_dp
-  real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp, most_error = 0.3_dp
+  real(dp), parameter :: weight = 0.15_dp          !! up to 0.15 found
+  !> Kinetic energy, of all of the gas: blasts have 0.007 to 0.28, gas that has come to rest less.
+  real(dp), parameter :: least_moving = 0.005_dp
+  real(dp), parameter :: least_told = 0.075_dp, least_error = 0.1_dp, most_error = 0.3_dp
 
 contains
 
@@ -45,7 +45,7 @@ contains
     end do
   end subroutine judge_fronts
 
-  !> Whether a field is that of gases alone, and much of their energy is motion.
+  !> Whether a field is that of gases alone, and some of their energy is motion.
   pure function moves(model, f) result(yes)
     type(model_t), intent(in) :: model
     integer, intent(in) :: f

@@ -152,6 +152,7 @@ module sgmp_constitutive
     real(dp) :: density = 0.0_dp               !! initial density
     real(dp) :: detonation_speed = 0.0_dp, burn_cells = 0.0_dp
     logical :: viscous = .false.               !! bulk viscosity acts
+    logical :: across = .false.                !! and that across fronts alone
     type(viscosity_t) :: viscosity
     real(dp) :: bulk_speed = 0.0_dp            !! of sound in the bulk at the start, without shear
     real(dp) :: slowest = 0.0_dp               !! least sound speed an equation of state may return
@@ -777,6 +778,7 @@ contains
     type(constitutive_t), intent(inout) :: law
     law%viscosity = viscosity_read(values)
     law%viscous = law%viscosity%quadratic > 0.0_dp .or. law%viscosity%linear > 0.0_dp
+    law%across = law%viscous .and. any(law%kind == [material_fluid, material_explosive])
   end subroutine law_set_viscosity
 
   !> Whether the stress depends on the sides of the cells that matter is in.

@@ -13,7 +13,7 @@ module sgmp_pressure
   use sgmp_pores, only: narrow, pores_slow, porous_lanes, squeeze_pores
   use sgmp_porosity, only: porosity_bound_lanes
   use sgmp_softening, only: softening_damage, softening_width
-  use sgmp_viscosity, only: viscosity_lanes
+  use sgmp_viscosity, only: closing_t, viscosity_lanes
   implicit none
   private
   public :: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
@@ -26,9 +26,10 @@ module sgmp_pressure
 contains
 
   !> Detonation products: JWL pressure behind the burn front, none ahead of it; heated by afterburn.
-  subroutine explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+  subroutine explosive(law, closing, time, mass, old_volume, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, time, mass(lanes), old_volume(lanes), trace(lanes)
+    type(closing_t), intent(in) :: closing
+    real(dp), intent(in) :: time, mass(lanes), old_volume(lanes)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
@@ -38,11 +39,11 @@ contains
     call burn_fraction_lanes(time, b(1, law%slots%lighting), law%detonation_speed, law%h, &
                              law%burn_cells, burnt)
     if (law%slots%afterburnt > 0) then
-      call afterburn_lanes(law%afterburn, time, dt, b(1, law%slots%lighting), &
+      call afterburn_lanes(law%afterburn, time, closing%dt, b(1, law%slots%lighting), &
                            b(1, law%slots%stress), b(1, law%slots%afterburnt), heat)
       heat = heat*mass/(law%density*old_volume)
     end if
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, heat, none, burnt, &
+    call equation_of_state(law, closing, mass, old_volume, b(1, 1), heat, none, burnt, &
                            b(1, law%slots%energy), b(1, law%slots%stress), speed2, q, work)
   end subroutine explosive
 
@@ -178,10 +179,11 @@ contains
   end subroutine bound_pressure
 
   !> Pressure and energy by an equation of state; `mean` is the mean stress -p.
-  subroutine equation_of_state(law, dt, mass, old_volume, volume, trace, deviatoric_work, &
-                               stiffness, burnt, kept, mean, speed2, q, work)
+  subroutine equation_of_state(law, closing, mass, old_volume, volume, deviatoric_work, stiffness, &
+                               burnt, kept, mean, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), volume(lanes), trace(lanes)
+    type(closing_t), intent(in) :: closing
+    real(dp), intent(in) :: mass(lanes), old_volume(lanes), volume(lanes)
     real(dp), intent(in) :: deviatoric_work(lanes)      !! per current (old) volume
     real(dp), intent(in) :: stiffness(lanes)  !! 4/3 G, of the shear part of the sound speed
     real(dp), intent(in) :: burnt(lanes)                !! factor on the pressure
@@ -217,11 +219,11 @@ contains
       speed2(l) = merge(speed2(l), law%detonation_speed**2, burnt(l) > 0.0_dp) + &
           (stiffness(l)*inverse)*v(l)
     end do
-    call viscosity(law, dt, mass, volume, trace, speed2, q)
+    call viscosity(law, closing%dt, mass, volume, closing%trace, speed2, q)
     !$omp simd simdlen(8)
     do l = 1, lanes
-      q(l) = merge(q(l), 0.0_dp, burnt(l) > 0.0_dp)
-      other(l) = v_old(l)*(deviatoric_work(l) - q(l)*trace(l))
+      q(l) = merge(closing%share(l)*q(l), 0.0_dp, burnt(l) > 0.0_dp)
+      other(l) = v_old(l)*(deviatoric_work(l) - q(l)*closing%trace(l))
     end do
     p = p_old
     if (law%porosity%elastic) then

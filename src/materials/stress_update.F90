@@ -37,6 +37,7 @@ module DIM(sgmp_stress_update)
   use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_return
   use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
   use sgmp_softening, only: softening_regain
+  use sgmp_viscosity, only: closing_t
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
   private
@@ -45,6 +46,8 @@ module DIM(sgmp_stress_update)
   !> Stress component of each flux (and strain) component, and its two axes.
   integer, parameter :: stress_of(NFLUX) = flux_stress(:NFLUX, SPACE)
   integer, parameter :: strain_pair(2, NFLUX) = voigt_axes(:, stress_of)
+  real(dp), parameter :: least_square = 1.0e-200_dp     !! of a strain that has a direction
+  real(dp), parameter :: most_share = 2.0_dp            !! of the work of a viscous pressure
 #ifdef AXISYMMETRIC
   integer, parameter :: hoop = 3                        !! of the stress components
 #endif
@@ -63,7 +66,7 @@ contains
     real(dp), intent(in) :: grad(lanes, NGRAD)          !! velocity gradient, row by row
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)             !! volume, stress, history
-    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - q I) V; 0 in pads
+    real(dp), intent(out) :: flux(lanes, NFLUX)         !! (sigma - Q) V; 0 in pads
     real(dp), intent(out) :: speed2(lanes)              !! square of the sound speed, negative
                                                         !! where waves have none
     real(dp), intent(out) :: jacobian(lanes)  !! determinant of the step's deformation gradient
@@ -73,6 +76,7 @@ contains
                                                 !! the step; absent: at its start
     real(dp) :: side, strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
     real(dp) :: none(lanes, NSTRESS), mean(lanes), norm(lanes)
+    type(closing_t) :: closing
     integer :: l, s
     if (law%rigid) then
       flux = 0.0_dp
@@ -131,13 +135,17 @@ contains
       none = 0.0_dp
       call predict(law, 0.0_dp, 0.0_dp, dt, side, grad, b(1, 1), none, strain, trace, jacobian, &
                    old_volume, work)
+      closing%dt = dt
+      closing%trace = trace
+      call viscous_share(law, strain, trace, closing%share)
       if (law%kind == material_fluid) then
-        call fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
+        call fluid(law, closing, mass, old_volume, strain, nb, b, speed2, q, work)
       else
-        call explosive(law, dt, time, mass, old_volume, trace, nb, b, speed2, q, work)
+        call explosive(law, closing, time, mass, old_volume, nb, b, speed2, q, work)
       end if
     end select
     call stress_flux(law, b(1, 1), q, live, b(1, s), flux)
+    if (law%across) call turn_across(live, b(1, 1), q, strain, trace, flux)
     !$omp simd simdlen(8)
     do l = 1, lanes
       work(l) = live(l)*(old_volume(l)*work(l))
@@ -181,6 +189,71 @@ contains
 #endif
     end do
   end subroutine stress_flux
+
+  !> The viscous pressure that does the work of (AV1) over the one of a plane front:
+  !!     Q : D = min(|D|/|tr D|, 2) q tr D, |D|^2 = D : D.                             (AV2)
+  !! Where all directions close it is less than q; where shear prevails it takes no more than twice
+  !! the energy that q would.
+  pure subroutine viscous_share(law, strain, trace, share)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(out) :: share(lanes)
+    real(dp) :: square(lanes)
+    integer :: l
+    share = 1.0_dp
+    if (NFLUX == 1 .or. .not. law%across) return
+    call square_of(strain, square)
+    !$omp simd simdlen(8)
+    do l = 1, lanes
+      if (trace(l) < 0.0_dp .and. square(l) > least_square) then
+        share(l) = min(-sqrt(square(l))/trace(l), most_share)
+      end if
+    end do
+  end subroutine viscous_share
+
+  !> Makes the viscous pressure in a flux act as the deformation goes: across a front, not along it,
+  !!     Q = (Q : D) D/(D : D), with Q : D of (AV2).                                       (AV1)
+  !! As a pressure it pushes round blasts out along their own front (doc/theory.md, 4).
+  pure subroutine turn_across(live, volume, q, strain, trace, flux)
+    real(dp), intent(in) :: live(lanes), volume(lanes)
+    real(dp), intent(in) :: q(lanes)             !! Q : D over tr D
+    real(dp), intent(in) :: strain(lanes, NFLUX), trace(lanes)
+    real(dp), intent(inout) :: flux(lanes, NFLUX)
+    real(dp) :: square(lanes), room, along
+    integer :: l, c
+    if (NFLUX == 1 .or. .not. any(q > 0.0_dp)) return
+    call square_of(strain, square)
+    !$omp simd simdlen(8) private(room, along, c)
+    do l = 1, lanes
+      room = 0.0_dp
+      along = 0.0_dp
+      if (square(l) > least_square) then
+        room = live(l)*volume(l)*q(l)
+        along = room*trace(l)/square(l)
+      end if
+      do c = 1, NFLUX
+        if (stress_of(c) <= 3) then
+          flux(l, c) = (flux(l, c) + room) - along*strain(l, c)
+        else
+          flux(l, c) = flux(l, c) - 0.5_dp*along*strain(l, c)
+        end if
+      end do
+    end do
+  end subroutine turn_across
+
+  !> strain : strain.
+  pure subroutine square_of(strain, square)
+    real(dp), intent(in) :: strain(lanes, NFLUX)
+    real(dp), intent(out) :: square(lanes)
+    integer :: l, c
+    !$omp simd simdlen(8) private(c)
+    do l = 1, lanes
+      square(l) = 0.0_dp
+      do c = 1, NFLUX
+        square(l) = square(l) + merge(1.0_dp, 0.5_dp, stress_of(c) <= 3)*strain(l, c)**2
+      end do
+    end do
+  end subroutine square_of
 
   !> Stress of an elastic body of unit wave modulus, times the weight of each lane.
   pure subroutine stress_probe(law, weight, grad, flux)
@@ -524,17 +597,14 @@ contains
   pure subroutine deviator_rate(dt, strain, trace, rate)
     real(dp), intent(in) :: dt, strain(lanes, NFLUX), trace(lanes)
     real(dp), intent(out) :: rate(lanes)
-    real(dp) :: inverse, square
-    integer :: l, c
+    real(dp) :: inverse, square(lanes)
+    integer :: l
     inverse = 0.0_dp
     if (dt > 0.0_dp) inverse = 1.0_dp/dt
-    !$omp simd simdlen(8) private(square, c)
+    call square_of(strain, square)
+    !$omp simd simdlen(8)
     do l = 1, lanes
-      square = -trace(l)**2/3.0_dp
-      do c = 1, NFLUX
-        square = square + merge(1.0_dp, 0.5_dp, stress_of(c) <= 3)*strain(l, c)**2
-      end do
-      rate(l) = inverse*sqrt(2.0_dp/3.0_dp*max(square, 0.0_dp))
+      rate(l) = inverse*sqrt(2.0_dp/3.0_dp*max(square(l) - trace(l)**2/3.0_dp, 0.0_dp))
     end do
   end subroutine deviator_rate
 
@@ -713,7 +783,7 @@ contains
       call viscosity(law, dt, mass, b(1, 1), trace, speed2, q)
     else
       ones = 1.0_dp
-      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, work, &
+      call equation_of_state(law, closing_t(dt, trace), mass, old_volume, b(1, 1), work, &
                              4.0_dp/3.0_dp*shear, ones, b(1, law%slots%energy), &
                              mean, speed2, q, pressure_work)
       !$omp simd simdlen(8)
@@ -1018,9 +1088,10 @@ contains
   end subroutine return_to
 
   !> A fluid: pressure from the equation of state, and Newton's viscous stress where it has one.
-  subroutine fluid(law, dt, mass, old_volume, strain, trace, nb, b, speed2, q, work)
+  subroutine fluid(law, closing, mass, old_volume, strain, nb, b, speed2, q, work)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: dt, mass(lanes), old_volume(lanes), strain(lanes, NFLUX), trace(lanes)
+    type(closing_t), intent(in) :: closing
+    real(dp), intent(in) :: mass(lanes), old_volume(lanes), strain(lanes, NFLUX)
     integer, intent(in) :: nb
     real(dp), intent(inout) :: b(lanes, nb)
     real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
@@ -1031,14 +1102,15 @@ contains
     no_shear = 0.0_dp
     if (law%slots%stresses == 1) then
       viscous_work = 0.0_dp
-      call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, no_shear, &
+      call equation_of_state(law, closing, mass, old_volume, b(1, 1), viscous_work, no_shear, &
                              ones, b(1, law%slots%energy), b(1, s), speed2, q, work)
       if (law%fails) call cavitate(law, mass, old_volume, nb, b, b(1, s), speed2, work)
       return
     end if
-    call newtonian(law%fluid_viscosity, dt, strain, trace, b(1, s), mean, viscous_work)
-    call equation_of_state(law, dt, mass, old_volume, b(1, 1), trace, viscous_work, no_shear, &
-                           ones, b(1, law%slots%energy), mean, speed2, q, work)
+    call newtonian(law%fluid_viscosity, closing%dt, strain, closing%trace, b(1, s), mean, &
+                   viscous_work)
+    call equation_of_state(law, closing, mass, old_volume, b(1, 1), viscous_work, no_shear, ones, &
+                           b(1, law%slots%energy), mean, speed2, q, work)
     if (law%fails) call cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
     call add_mean(mean, b(1, s))
     !$omp simd simdlen(8)

