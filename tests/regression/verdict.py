@@ -511,6 +511,7 @@ def criteria(report):
     row(report)
     waves(report)
     flash(report)
+    vacuum(report)
     rolls(report)
     spall(report)
     spray(report)
@@ -796,6 +797,20 @@ body b block material=cold lower=(0.075,0) upper=(1,4/n) ppc=2
 history steps=20
 output csv at=end fields=velocity,mass
 """
+# Gas that is let go into empty space.
+VACUUM = """
+dimension 3
+grid cell=1/24 x=0:open y=0:1/6 z=0:1/6
+wall x-=slip y-=slip y+=slip z-=slip z+=slip
+method sgmp
+time end=0.7 cfl=0.4
+material a fluid density=1
+eos a ideal_gas gamma=1.4 pressure0=1
+viscosity all
+body a block material=a lower=(0,0,0) upper=(1,1/6,1/6) ppc=2
+history steps=20
+output csv at=end fields=velocity,mass
+"""
 # A disk that gravity draws down an incline of 20 degrees.
 ROLLS = """
 parameter n = 6
@@ -972,6 +987,16 @@ def flash(report):
     report.check(abs(over(result)) < result["verdict_error"] < 0.2, f"flash: {over(result)}, {result['verdict_error']}")
     weak = run("flash_weak", FLASH.replace("1e-6*heat", "0.1*heat"), n=20, t_end=0.1)
     report.check(not any("velocities of the gas" in why for why in weak["verdict_reasons"]), f"flash_weak: {weak.text}")
+
+
+def vacuum(report):
+    """A ninth of the volume has no room in its cells, and yet the gas has the momentum of p = 1 at the wall."""
+    result = coarse(report, "vacuum", VACUUM, "has no room in the cells", 0.25)
+    momentum = 36*sum(row["mass"]*row["velocity_x"] for row in result.table("particles_end.csv"))
+    report.check(
+        abs(momentum/0.7 - 1) < 0.02 and 0.1 < result["end_state.volume_without_room"] < 0.13,
+        f"vacuum: {momentum}, {result['end_state']}",
+    )
 
 
 def rolls(report):
