@@ -5,8 +5,8 @@
 !!
 !! The law is chosen once per chunk; each stage is a loop over the lanes. Volume follows the
 !! determinant of the step's deformation gradient. Internal energy grows by V_old (1/2 (sigma_old +
-!! sigma_new) - q) : deps, which is exact for a linear stress path in one dimension; an equation of
-!! state takes its pressure work from the change of volume.
+!! sigma_new) - Q) : deps, Q the bulk viscosity, which is exact for a linear stress path in one
+!! dimension; an equation of state takes its pressure work from the change of volume.
 !!
 !! Longer than 500 lines: the stages are small lane loops that the compiler inlines into one update.
 module DIM(sgmp_stress_update)
