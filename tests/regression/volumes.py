@@ -269,19 +269,26 @@ output csv at=end fields=velocity,mass,body
 
 def bursts(report):
     """A cylinder of gas that bursts in another keeps volumes without a word: radial velocity of the outer one by a code
-    in one dimension; with plain volumes the run is doubted."""
+    in one dimension; with plain volumes the run is coarse, by less than it tells."""
     from _lagrange import Gas, Layer, Row
     exact = Row([Layer(Gas(4, 1.4, 3), 0, 2, 100), Layer(Gas(1, 1.4, 1), 2, 8, 300)], order=1).run(2.3).velocity(1)
-    result = run("bursts", BURST)
-    if report.finished(result, "bursts"):
+
+    def off(result):
         rows = [row for row in result.table("particles_end.csv") if row["body"] == 2]
         push = sum(row["mass"]*(row["x"]*row["velocity_x"] + row["y"]*row["velocity_y"])/math.hypot(row["x"], row["y"])
                    for row in rows)/sum(row["mass"] for row in rows)
+        return abs(push/exact - 1)
+
+    result = run("bursts", BURST)
+    if report.finished(result, "bursts"):
         report.check(result["volumes"] == "kept" and result["verdict"] != "doubtful", f"bursts: {result.text}")
-        report.check(abs(push/exact - 1) < 0.03, f"bursts: {push}, not {exact}")
+        report.check(off(result) < 0.03, f"bursts: {off(result)}")
     plain_one = run("bursts_plain", BURST.replace("sgmp", "sgmp volumes=plain split=none"))
     if report.finished(plain_one, "bursts_plain"):
-        report.check(plain_one["verdict"] == "doubtful", f"bursts_plain: {plain_one['verdict']}")
+        report.check(
+            plain_one["verdict"] == "coarse" and off(plain_one) < plain_one["verdict_error"],
+            f"bursts_plain: {plain_one['verdict']}, {off(plain_one)}",
+        )
 
 
 GUN = """
