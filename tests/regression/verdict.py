@@ -972,7 +972,7 @@ def waves(report):
 def flash(report):
     """The gas of a strong blast is as fast as by a Lagrangian code (tests/fuzz/_lagrange.py) to 5 % with 40 cells, as
     viscosity acts across its front alone, and by no more than is told with 20: that gives a mean radial velocity of
-    0.2287 with 1760 and 3520 zones. A weak one is not judged."""
+    0.2287 with 1760 and 3520 zones. One of which little moves yet is not judged."""
 
     def over(result):
         rows = result.table("particles_end.csv")
@@ -985,7 +985,7 @@ def flash(report):
     )
     result = coarse(report, "flash", FLASH, "velocities of the gas change by", 0.1, n=20)
     report.check(abs(over(result)) < result["verdict_error"] < 0.2, f"flash: {over(result)}, {result['verdict_error']}")
-    weak = run("flash_weak", FLASH.replace("1e-6*heat", "0.1*heat"), n=20, t_end=0.1)
+    weak = run("flash_weak", FLASH.replace("1e-6*heat", "0.1*heat"), n=20, t_end=0.006)
     report.check(not any("velocities of the gas" in why for why in weak["verdict_reasons"]), f"flash_weak: {weak.text}")
 
 
