@@ -249,6 +249,7 @@ contains
   pure subroutine move(particle)
     type(particle_t), intent(inout) :: particle
     real(dp) :: got(12), w(0:1, 0:1, 0:1), l(3, 3), spin(3, 3), full(3, 3), rate(3, 3), trace
+    real(dp) :: adjugate(3, 3), square(3, 3), turned(3, 3), first_of, second_of
     integer :: first(3), i, j, k, a, b, c
     call weigh(particle%x, first, w)
     got = 0.0_dp
@@ -260,24 +261,37 @@ contains
       end do
     end do
     do a = 1, 3
-      l(a, :) = got(3*a + 1:3*a + 3)
+      l(a, :) = dt*got(3*a + 1:3*a + 3)
     end do
-    rate = 0.5_dp*dt*(l + transpose(l))
-    spin = 0.5_dp*dt*(l - transpose(l))
+    ! strain in the middle of the step (doc/theory.md, 2), from the invariants of dt L
+    first_of = l(1, 1) + l(2, 2) + l(3, 3)
+    square = matmul(l, l)
+    second_of = 0.5_dp*(first_of**2 - (square(1, 1) + square(2, 2) + square(3, 3)))
+    adjugate = square - first_of*l
+    do a = 1, 3
+      adjugate(a, a) = adjugate(a, a) + second_of
+    end do
+    rate = 0.5_dp*(l + transpose(l)) - 0.25_dp*(adjugate + transpose(adjugate))
+    do a = 1, 3
+      rate(a, a) = rate(a, a) + 0.5_dp*second_of
+    end do
+    spin = 0.5_dp*(l - transpose(l))
     trace = rate(1, 1) + rate(2, 2) + rate(3, 3)
     do c = 1, 6
       full(pair(1, c), pair(2, c)) = particle%stress(c)
       full(pair(2, c), pair(1, c)) = particle%stress(c)
     end do
+    turned = matmul(spin, full)
+    turned = turned + transpose(turned)
+    square = matmul(spin, turned)
+    turned = turned + 0.5_dp*(square + transpose(square))
     do c = 1, 6
       a = pair(1, c)
       b = pair(2, c)
-      particle%stress(c) = particle%stress(c) + 2.0_dp*shear*rate(a, b) &
-                           + dot_product(spin(a, :), full(:, b)) &
-                           + dot_product(spin(b, :), full(:, a))
+      particle%stress(c) = particle%stress(c) + 2.0_dp*shear*rate(a, b) + turned(a, b)
       if (a == b) particle%stress(c) = particle%stress(c) + lame*trace
     end do
-    particle%volume = particle%volume*(1.0_dp + trace)
+    particle%volume = particle%volume*(1.0_dp + first_of + second_of + dot_product(l(1, :), adjugate(:, 1)))
     particle%x = particle%x + dt*got(1:3)
   end subroutine move
 

@@ -54,13 +54,10 @@ contains
     axis = 0
     offset = 0.0_dp
     fluid = law_is_spherical(law)
-    long = .true.
-    if (.not. fluid) then
-      call too_long(mesh, splitting%limit, nl, motion, state(1, law%slots%volume), &
-                    state(1, law%slots%stretch), long)
-      if (.not. any(long(:nl))) return
-    end if
     longest_path = 2.0_dp**splitting%halvings
+    call look_at(mesh, splitting%limit, fluid, half_size, motion, state(1, law%slots%volume), &
+                 state(1, law%slots%stretch), state(1, law%slots%path), longest_path, long)
+    if (.not. any(long(:nl))) return
     do l = 1, nl
       if (.not. long(l)) cycle
       associate (stretch => state(l, law%slots%stretch:law%slots%stretch + NDIM - 1))
@@ -91,22 +88,24 @@ contains
     end do
   end subroutine splitting_choose
 
-  !> Which particles of a chunk may have a side longer than the limit: none is missed. Without the
-  !! roots of the sides themselves, which most particles do not need.
-  pure subroutine too_long(mesh, limit, nl, motion, volume, stretch, long)
+  !> Which particles of a chunk may have a side longer than the limit, and have not been split as
+  !! often as may be: none is missed. Without the roots of the sides themselves, which most particles
+  !! do not need. Of a fluid's also those whose stretches are due to be renewed: with a side some way
+  !! beyond its bounds, or with a product that is more than 1 % off the volume.
+  ! allow(S902)
+  pure subroutine look_at(mesh, limit, fluid, half_size, motion, volume, stretch, path, &
+                          longest_path, long)
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: limit                      !! (cells)
-    integer, intent(in) :: nl
+    logical, intent(in) :: fluid
+    real(dp), intent(in) :: half_size(NDIM)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), volume(lanes), stretch(lanes, NDIM)
+    real(dp), intent(in) :: path(lanes), longest_path  !! of halves since the start
     logical, intent(out) :: long(lanes)
-    real(dp) :: inverse(lanes, NDIM), spacing(lanes), lower(lanes), place(lanes)
-    real(dp) :: cell, whole, longest
+    real(dp), parameter :: near = 0.999_dp, beyond = 1.05_dp, drift = 0.01_dp
+    real(dp), dimension(lanes) :: whole, longest, shortest, unit, filled
+    real(dp) :: inverse(lanes, NDIM), spacing(lanes), lower(lanes), place(lanes), size_at_start
     integer :: l, d
-#ifdef AXISYMMETRIC
-    cell = 0.999_dp*limit**NDIM*axis_cell(mesh%h)
-#else
-    cell = 0.999_dp*limit**NDIM*mesh%h**NDIM
-#endif
     inverse = 1.0_dp
     if (mesh%graded) then
       do d = 1, NDIM
@@ -114,19 +113,36 @@ contains
         inverse(:, d) = 1.0_dp/spacing
       end do
     end if
-    do l = 1, nl
-      whole = stretch(l, 1)
-      longest = stretch(l, 1)*inverse(l, 1)
-      do d = 2, NDIM
-        whole = whole*stretch(l, d)
-        longest = max(longest, stretch(l, d)*inverse(l, d))
-      end do
-#ifdef AXISYMMETRIC
-      whole = whole*graded_place(mesh%axes(1), motion(l, 1))
-#endif
-      long(l) = longest**NDIM*volume(l) > cell*whole
+    filled = volume
+    whole = 1.0_dp
+    longest = 0.0_dp
+    shortest = huge(1.0_dp)
+    do d = 1, NDIM
+      filled = filled*inverse(:, d)
+      whole = whole*(stretch(:, d)*inverse(:, d))
+      longest = max(longest, stretch(:, d)*inverse(:, d))
+      shortest = min(shortest, stretch(:, d)*inverse(:, d))
     end do
-  end subroutine too_long
+    unit = mesh%h**NDIM
+#ifdef AXISYMMETRIC
+    unit = axis_cell(mesh%h)*motion(:, 1)
+    if (mesh%graded) unit = axis_cell(mesh%h)*graded_place(mesh%axes(1), motion(:, 1))
+#endif
+    if (fluid) then
+      size_at_start = product(2.0_dp*half_size)
+      do l = 1, lanes
+        long(l) = (filled(l) > near*limit**NDIM*unit(l) .and. path(l) < longest_path) .or. &
+                  longest(l)**NDIM > beyond*widest_ratio**NDIM*whole(l) .or. &
+                  beyond*shortest(l)**NDIM*widest_ratio**NDIM < whole(l) .or. &
+                  abs(whole(l)*size_at_start*unit(l) - filled(l)) > drift*filled(l)
+      end do
+    else
+      do l = 1, lanes
+        long(l) = longest(l)**NDIM*filled(l) > near*limit**NDIM*unit(l)*whole(l) .and. &
+                  path(l) < longest_path
+      end do
+    end if
+  end subroutine look_at
 
   !> Whether both halves will be inside the grid and within a cell of the bin that the particle was
   !! in.
