@@ -466,11 +466,11 @@ contains
     loose = 0.0_dp
     if (.not. body%is_driven) loose = debris_loose(body%law, task%live(1, nl), &
                                                    motion(1, mass_at), nb, state)
+    if (plan%gradient == 0 .and. all(loose < 0.5_dp)) return
     call locate(motion, origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     if (plan%gradient == 0) then
-      if (all(loose < 0.5_dp)) return
       values(:, 1) = loose*motion(:, mass_at)
       if (NDIM < 3) cell(nl + 1:) = -1
       call scatter(task, .false., xi, cell, axes, values, stencil)

@@ -31,24 +31,26 @@ contains
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), speed2(lanes)
     real(dp), intent(inout) :: state(lanes, nb)
     logical, intent(out) :: eroded(lanes)
-    real(dp) :: strain, damage, speed
-    integer :: l
-    eroded = .false.
-    do l = 1, nl
-      strain = 0.0_dp
-      damage = 0.0_dp
-      speed = 0.0_dp
-      if (law%slots%plastic > 0) strain = state(l, law%slots%plastic)
-      if (law%slots%averaged > 0) strain = state(l, law%slots%averaged)
-      if (law%slots%damage > 0) damage = state(l, law%slots%damage)
-      if (strains) speed = sqrt(max(speed2(l), 0.0_dp)) + &
-                           norm2(motion(l, before_v + 1:before_v + NDIM))
-      if (law%slots%reach > 0) then
-        if (strains) state(l, law%slots%reach) = speed
-        speed = state(l, law%slots%reach)
-      end if
-      eroded(l) = erosion_wanted(law%erosion, strain, damage, speed)
-    end do
+    real(dp) :: strain(lanes), damage(lanes), speed(lanes)
+    integer :: d
+    strain = 0.0_dp
+    damage = 0.0_dp
+    speed = 0.0_dp
+    if (law%slots%plastic > 0) strain = state(:, law%slots%plastic)
+    if (law%slots%averaged > 0) strain = state(:, law%slots%averaged)
+    if (law%slots%damage > 0) damage = state(:, law%slots%damage)
+    if (strains .and. (law%slots%reach > 0 .or. law%erosion%speed < huge(1.0_dp))) then
+      do d = 1, NDIM
+        speed = speed + motion(:, before_v + d)**2
+      end do
+      speed = sqrt(max(speed2, 0.0_dp)) + sqrt(speed)
+    end if
+    if (law%slots%reach > 0) then
+      if (strains) state(:nl, law%slots%reach) = speed(:nl)
+      speed = state(:, law%slots%reach)
+    end if
+    eroded = erosion_wanted(law%erosion, strain, damage, speed)
+    eroded(nl + 1:) = .false.
   end subroutine departures_eroded
 
   !> Which lanes are outside their bin.

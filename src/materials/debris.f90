@@ -129,6 +129,7 @@ contains
     real(dp) :: loose(lanes)
     loose = 0.0_dp
     if (.not. debris_possible(law)) return
+    if (all(b(:, law%slots%damage) < 1.0_dp)) return  ! other columns need not come to the cache
     where (b(:, law%slots%damage) >= 1.0_dp .and. b(:, 1)*law%density > mass) loose = live
   end function debris_loose
 

@@ -42,7 +42,7 @@ contains
   end function erosion_read
 
   !> Whether a particle is to be removed.
-  pure logical function erosion_wanted(erosion, plastic_strain, damage, speed) result(yes)
+  elemental logical function erosion_wanted(erosion, plastic_strain, damage, speed) result(yes)
     type(erosion_t), intent(in) :: erosion
     real(dp), intent(in) :: plastic_strain         !! equivalent
     real(dp), intent(in) :: damage

@@ -9,7 +9,7 @@ module sgmp_rows
   private
   public :: rows_t, row_key, key_j, key_k
   public :: rows_from_points, rows_union, rows_intersection, rows_dilate, rows_locate, &
-    rows_points, rows_contains, rows_planes, rows_behind
+    rows_points, rows_contains, rows_find, rows_planes, rows_behind
 
   integer(i8), parameter :: key_stride = 2_i8**32
 
@@ -193,21 +193,60 @@ contains
     type(rows_t), intent(in) :: rows
     integer(i8), intent(in) :: key
     integer, intent(in) :: i
-    integer :: s, low, high, middle
-    low = 1
-    high = rows%n
+    integer :: s, low
     s = 0
+    low = first_reaching(rows, 1, key, i)
+    if (low > rows%n) return
+    if (rows%key(low) == key .and. rows%first(low) <= i) s = low
+  end function rows_contains
+
+  !> The same for one who asks for points in their order: `from` is the first interval that does not
+  !! lie before the point, to begin with 1, and is looked for from there.
+  pure subroutine rows_find(rows, key, i, from, s)
+    type(rows_t), intent(in) :: rows
+    integer(i8), intent(in) :: key
+    integer, intent(in) :: i
+    integer, intent(inout) :: from
+    integer, intent(out) :: s            !! as from rows_contains
+    integer, parameter :: near = 4       !! intervals looked at one by one
+    integer :: last
+    last = min(from + near, rows%n + 1)
+    do while (from < last)
+      if (.not. before(rows, from, key, i)) exit
+      from = from + 1
+    end do
+    if (from == last) from = first_reaching(rows, from, key, i)
+    s = 0
+    if (from > rows%n) return
+    if (rows%key(from) == key .and. rows%first(from) <= i) s = from
+  end subroutine rows_find
+
+  !> Whether an interval lies before a point.
+  pure function before(rows, s, key, i) result(yes)
+    type(rows_t), intent(in) :: rows
+    integer, intent(in) :: s, i
+    integer(i8), intent(in) :: key
+    logical :: yes
+    yes = rows%key(s) < key .or. (rows%key(s) == key .and. rows%last(s) < i)
+  end function before
+
+  !> First interval from a given one that does not lie before a point: a binary search.
+  pure function first_reaching(rows, start, key, i) result(low)
+    type(rows_t), intent(in) :: rows
+    integer, intent(in) :: start, i
+    integer(i8), intent(in) :: key
+    integer :: low, high, middle
+    low = start
+    high = rows%n
     do while (low <= high)
       middle = (low + high)/2
-      if (rows%key(middle) < key .or. (rows%key(middle) == key .and. rows%last(middle) < i)) then
+      if (before(rows, middle, key, i)) then
         low = middle + 1
       else
         high = middle - 1
       end if
     end do
-    if (low > rows%n) return
-    if (rows%key(low) == key .and. rows%first(low) <= i) s = low
-  end function rows_contains
+  end function first_reaching
 
   !> First interval of row `key` or, where there is none, behind it; n + 1 where there is none.
   pure function rows_behind(rows, key) result(s)

@@ -12,8 +12,8 @@ module sgmp_shared_nodes
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_place, mesh_t, wall_fixed, wall_free
-  use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_dilate, rows_intersection, &
-    rows_planes, rows_points, rows_t, rows_union
+  use sgmp_rows, only: key_j, key_k, row_key, rows_dilate, rows_find, rows_intersection, rows_planes, &
+    rows_points, rows_t, rows_union
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private
@@ -173,7 +173,8 @@ contains
     type(field_t), intent(in) :: fields(:)
     type(contact_pair_t), intent(in) :: pairs(:)
     logical, intent(in) :: fill
-    integer :: n, p, m, l, side, at(2), record(2), interval(2), s
+    integer :: n, p, m, l, side, at(2), record(2), interval(2), s, from(2, size(pairs))
+    from = 1
     m = 0
     l = 0
     do n = 1, shared%nodes
@@ -182,8 +183,8 @@ contains
       do p = 1, size(pairs)
         do side = 1, 2
           associate (field => fields(pairs(p)%field(side)))
-            s = rows_contains(field%work, row_key(shared%point(2, n), shared%point(3, n)), &
-              shared%point(1, n))
+            call rows_find(field%work, row_key(shared%point(2, n), shared%point(3, n)), &
+                           shared%point(1, n), from(side, p), s)
             record(side) = 0
             interval(side) = s
             if (s > 0) record(side) = field%neighbour(0, 0, s) + shared%point(1, n)

@@ -12,12 +12,12 @@
 module sgmp_debris_rates
   use sgmp_columns, only: collide_kick, collide_rate, collide_square, collide_velocity, &
                           node_acceleration, node_inertia
-  use sgmp_field, only: field_base, field_t
+  use sgmp_field, only: field_t
   use sgmp_graded_axis, only: graded_width
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t, wall_fixed, wall_free
-  use sgmp_rows, only: key_j, key_k
+  use sgmp_rows, only: key_j, key_k, row_key, rows_find
   use sgmp_space, only: space_axisymmetric
   implicit none
   private
@@ -45,15 +45,16 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: dt, speed            !! of sound
     real(dp) :: sums(3 + mesh%ndim), velocity(mesh%ndim), rate
-    integer :: s, i, c, debris
+    integer :: s, i, c, debris, from(size(fields))
     debris = fields(f)%columns%debris
+    from = 1
     fields(f)%collide = 0.0_dp
     do s = 1, fields(f)%work%n
       do i = fields(f)%work%first(s), fields(f)%work%last(s)
         c = fields(f)%neighbour(0, 0, s) + i
         if (.not. fields(f)%moment(c, debris) > 0.0_dp) cycle
-        sums = point_sums(fields, f, key_j(fields(f)%work%key(s)), &
-                          key_k(fields(f)%work%key(s)), i)
+        call point_sums(fields, key_j(fields(f)%work%key(s)), key_k(fields(f)%work%key(s)), i, &
+                        from, sums)
         rate = debris_rate(sums(1), sums(mesh%ndim + 2), sums(mesh%ndim + 3), speed, &
                            dt/side(mesh, key_j(fields(f)%work%key(s)), &
                                    key_k(fields(f)%work%key(s)), i))
@@ -91,21 +92,22 @@ contains
   end function debris_rate
 
   !> Sums around a point over all fields, in their order.
-  pure function point_sums(fields, f, j, k, i) result(sums)
+  pure subroutine point_sums(fields, j, k, i, from, sums)
     type(field_t), intent(in) :: fields(:)
-    integer, intent(in) :: f, j, k, i
-    real(dp) :: sums(3 + fields(f)%ndim)
-    integer :: g, base
+    integer, intent(in) :: j, k, i
+    integer, intent(inout) :: from(:)            !! (fields) see rows_find
+    real(dp), intent(out) :: sums(:)
+    integer :: g, interval
     sums = 0.0_dp
     do g = 1, size(fields)
       if (.not. fields(g)%collides) cycle
-      base = field_base(fields(g), j, k, i)
-      if (base == huge(1)) cycle
-      associate (debris => fields(g)%columns%debris)
-        sums = sums + fields(g)%moment(base + i, debris:debris + size(sums) - 1)
+      call rows_find(fields(g)%store, row_key(j, k), i, from(g), interval)
+      if (interval == 0) cycle
+      associate (debris => fields(g)%columns%debris, point => fields(g)%base(interval) + i)
+        sums = sums + fields(g)%moment(point, debris:debris + size(sums) - 1)
       end associate
     end do
-  end function point_sums
+  end subroutine point_sums
 
   !> Nodes on walls do not move across them.
   pure subroutine hold(field, mesh, s, i, velocity)
