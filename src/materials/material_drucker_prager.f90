@@ -63,7 +63,7 @@ contains
   end function slope
 
   !> Return of one trial stress.
-  pure subroutine drucker_prager_point(law, shear3, bulk, trial, mean, factor, dep)
+  pure subroutine drucker_prager_point(law, shear3, bulk, trial, mean, factor, dep, opened)
     type(drucker_prager_t), intent(in) :: law
     real(dp), intent(in) :: shear3    !! three times the shear modulus (stress)
     real(dp), intent(in) :: bulk      !! bulk modulus (stress)
@@ -71,6 +71,7 @@ contains
     real(dp), intent(inout) :: mean   !! its mean, tension positive; returned (stress)
     real(dp), intent(out) :: factor   !! scales the trial deviator
     real(dp), intent(out) :: dep      !! increment of the equivalent plastic shear strain
+    real(dp), intent(out) :: opened   !! by which grains come apart, see soil_matter
     real(dp) :: q, excess
     excess = trial + law%friction*mean - law%cohesion
     excess = merge(excess, 0.0_dp, excess > 0.0_dp)/(shear3 + bulk*law%friction*law%dilatancy)
@@ -78,6 +79,7 @@ contains
     mean = mean - bulk*law%dilatancy*excess
     ! What lies behind the apex is beyond the cap, too.
     q = merge(merge(trial, law%edge, trial < law%edge), q, mean > law%tension)
+    opened = merge(mean - law%tension, 0.0_dp, mean > law%tension)/bulk
     mean = merge(law%tension, mean, mean > law%tension)
     factor = q/merge(trial, 1.0_dp, trial > 0.0_dp)
     factor = merge(factor, 1.0_dp, trial > 0.0_dp)
@@ -85,16 +87,16 @@ contains
   end subroutine drucker_prager_point
 
   !> Lane kernel of drucker_prager_point.
-  pure subroutine drucker_prager_return(law, shear3, bulk, trial, mean, ep, factor)
+  pure subroutine drucker_prager_return(law, shear3, bulk, trial, mean, ep, factor, opened)
     type(drucker_prager_t), intent(in) :: law
     real(dp), intent(in) :: shear3, bulk, trial(lanes)       !! as in the point function
     real(dp), intent(inout) :: mean(lanes), ep(lanes)        !! ep: plastic shear strain, updated
-    real(dp), intent(out) :: factor(lanes)                   !! as in the point function
+    real(dp), intent(out) :: factor(lanes), opened(lanes)    !! as in the point function
     real(dp) :: dep
     integer :: p
     !$omp simd simdlen(8) private(dep)
     do p = 1, lanes
-      call drucker_prager_point(law, shear3, bulk, trial(p), mean(p), factor(p), dep)
+      call drucker_prager_point(law, shear3, bulk, trial(p), mean(p), factor(p), dep, opened(p))
       ep(p) = ep(p) + dep
     end do
   end subroutine drucker_prager_return

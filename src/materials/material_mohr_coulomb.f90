@@ -23,6 +23,7 @@ module sgmp_material_mohr_coulomb
   public :: mohr_coulomb_t, mohr_coulomb_init, mohr_coulomb_point, mohr_coulomb_return
 
   integer, parameter :: components = 6  !! of a stress in space
+  real(dp), parameter :: nearly = 1.0e-9_dp  !! of the cohesion: rounding at the apex
 
   !> Constants of (M1).
   type :: mohr_coulomb_t
@@ -129,15 +130,17 @@ contains
   end subroutine return_to_tension
 
   !> Lane kernel: trial stresses returned.
-  pure subroutine mohr_coulomb_return(law, elastic, n, mean, norm, ep, stress)
+  pure subroutine mohr_coulomb_return(law, elastic, n, mean, norm, ep, stress, opened)
     type(mohr_coulomb_t), intent(in) :: law
     type(elastic_t), intent(in) :: elastic
     integer, intent(in) :: n                        !! components stored
     real(dp), intent(in) :: mean(lanes), norm(lanes)  !! of the stress: mean, von Mises (stress)
     real(dp), intent(inout) :: ep(lanes)            !! equivalent plastic strain, updated
     real(dp), intent(inout) :: stress(lanes, n)
+    real(dp), intent(out) :: opened(lanes)          !! by which grains come apart, see soil_matter
     real(dp) :: tensor(components), values(3), axes(3, 3), change(3)
     integer :: l
+    opened = 0.0_dp
     do l = 1, lanes
       if (inside(law, mean(l), norm(l))) cycle
       tensor = 0.0_dp
@@ -146,6 +149,9 @@ contains
       change = values
       call mohr_coulomb_point(law, elastic, values)
       change = values - change
+      if (values(1) >= law%tension - nearly*law%cohesion) then
+        opened(l) = max(0.0_dp, -sum(change)/(3.0_dp*elastic%bulk))
+      end if
       tensor = principal_dyad(change, axes)
       stress(l, :) = stress(l, :) + tensor(:n)
       change = change - sum(change)/3.0_dp

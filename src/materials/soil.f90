@@ -1,10 +1,10 @@
 !> Keys that the laws of soils share: angles, cohesion, tension; and which of them cannot be.
 module sgmp_soil
   use sgmp_keys, only: fault_make, fault_t, key, key_t, kind_real, values_t
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   implicit none
   private
-  public :: soil_keys, soil_check, soil_apex, degree
+  public :: soil_keys, soil_check, soil_apex, soil_matter, degree
 
   real(dp), parameter :: degree = acos(-1.0_dp)/180.0_dp
 
@@ -44,5 +44,15 @@ contains
     real(dp) :: tension
     tension = cohesion/tan(degree*friction)
   end function soil_apex
+
+  !> Volumes without what has opened between grains, (s_m - tension)/K of a trial mean stress beyond
+  !! the largest tension: the gap has no stress, and waves do not cross it. What is left is the
+  !! volume of the matter, in which stress acts when grains meet again.
+  pure subroutine soil_matter(opened, volume)
+    real(dp), intent(in) :: opened(lanes)   !! change of volume over the volume, at least 0
+    real(dp), intent(inout) :: volume(lanes)
+    if (all(opened <= 0.0_dp)) return
+    volume = volume/(1.0_dp + opened)
+  end subroutine soil_matter
 
 end module sgmp_soil

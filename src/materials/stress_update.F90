@@ -37,6 +37,7 @@ module DIM(sgmp_stress_update)
   use sgmp_material_zerilli_armstrong, only: zerilli_armstrong_return
   use sgmp_pressure, only: cavitate, equation_of_state, explosive, release, soften, viscosity, warm
   use sgmp_softening, only: softening_regain
+  use sgmp_soil, only: soil_matter
   use sgmp_viscosity, only: closing_t
   use sgmp_voigt, only: flux_stress, voigt_axes
   implicit none
@@ -75,7 +76,7 @@ contains
     logical, intent(in), optional :: behind     !! the gradient is that at the places at the end of
                                                 !! the step; absent: at its start
     real(dp) :: side, strain(lanes, NFLUX), trace(lanes), old_volume(lanes), work(lanes), q(lanes)
-    real(dp) :: none(lanes, NSTRESS), mean(lanes), norm(lanes)
+    real(dp) :: none(lanes, NSTRESS), mean(lanes), norm(lanes), opened(lanes)
     type(closing_t) :: closing
     integer :: l, s
     if (law%rigid) then
@@ -96,14 +97,15 @@ contains
     case (material_drucker_prager)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
                    strain, trace, jacobian, old_volume, work)
-      call soil(law, b(1, law%slots%plastic), b(1, s))
+      call soil(law, b(1, law%slots%plastic), b(1, 1), b(1, s))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_mohr_coulomb)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
                    strain, trace, jacobian, old_volume, work)
       call von_mises(b(1, s), mean, norm)
       call mohr_coulomb_return(law%mohr_coulomb, law%elastic, NSTRESS, mean, norm, &
-                               b(1, law%slots%plastic), b(1, s))
+                               b(1, law%slots%plastic), b(1, s), opened)
+      if (.not. law%small_strain) call soil_matter(opened, b(1, 1))
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_johnson_holmquist)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
@@ -454,16 +456,16 @@ contains
   end subroutine elastic
 
   !> Returns the trial stress of a soil to its cone or cap.
-  pure subroutine soil(law, ep, stress)
+  pure subroutine soil(law, ep, volume, stress)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(inout) :: ep(lanes), stress(lanes, NSTRESS)
-    real(dp) :: mean(lanes), norm(lanes), returned(lanes), factor(lanes)
-    integer :: l, c
+    real(dp), intent(inout) :: ep(lanes), volume(lanes), stress(lanes, NSTRESS)
+    real(dp), dimension(lanes) :: mean, norm, returned, factor, opened
     call von_mises(stress, mean, norm)
     returned = mean
     call drucker_prager_return(law%soil, 3.0_dp*law%elastic%shear, law%elastic%bulk, norm, &
-                               returned, ep, factor)
+                               returned, ep, factor, opened)
     call rescale(factor, mean, returned, stress)
+    if (.not. law%small_strain) call soil_matter(opened, volume)
   end subroutine soil
 
   !> Scales the deviator of a stress, and gives it another mean.
