@@ -11,7 +11,7 @@
 !! up to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
-  use sgmp_constitutive, only: law_is_spherical, law_is_springy
+  use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_is_springy, law_tears
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
@@ -25,9 +25,10 @@ module sgmp_judge_collisions
   use sgmp_shapes, only: shape_block, shape_ring
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
+  use sgmp_torn_metals, only: speed_at_start
   implicit none
   private
-  public :: judge_collisions, judge_projectiles, projectile_narrow, speed_at_start
+  public :: judge_collisions, judge_projectiles, projectile_narrow
 
   real(dp), parameter :: line_weight = 0.41_dp    !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: row_power = 1.3_dp       !! of meetings in a row: 2 and 3 bars after one
@@ -339,20 +340,15 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: b, n
     yes = .not. model%bodies(b)%rigid .and. speed_at_start(scene, b, n) <= 0.0_dp
-    if (yes) yes = model%bodies(b)%law%history%damage .or. &
+    if (yes) yes = asked_to_fail(model%bodies(b)%law) .or. &
                    model%bodies(b)%law%erosion%plastic_strain < failure_none
   end function is_target
 
-  !> Speed of a body at the start; 0 where it is not the same everywhere.
-  pure function speed_at_start(scene, b, n) result(speed)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: b, n
-    real(dp) :: speed
-    speed = 0.0_dp
-    associate (start => scene%bodies(b)%velocity(:n))
-      if (all(start%is_constant)) speed = norm2(start%value)
-    end associate
-  end function speed_at_start
+  !> Whether a law fails by what its deck says.
+  elemental logical function asked_to_fail(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%history%damage .and. .not. law_tears(law)
+  end function asked_to_fail
 
   !> Bodies that a wall has held since the start: near it those that it has slowed, at it those that
   !! come back.
@@ -450,7 +446,7 @@ contains
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
     associate (law => model%bodies(b)%law)
-      yes = .not. law_is_spherical(law) .and. .not. law%history%damage .and. &
+      yes = .not. (law_is_spherical(law) .or. asked_to_fail(law)) .and. &
             law%erosion%plastic_strain >= failure_none .and. &
             all(scene%bodies(b)%shapes%kind == shape_block)
     end associate

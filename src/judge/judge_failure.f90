@@ -8,7 +8,7 @@
 !! strength, and the run is coarse at most. All of it as seen from the centre of mass of all.
 module sgmp_judge_failure
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: constitutive_t, law_yield_stress
+  use sgmp_constitutive, only: constitutive_t, law_tears, law_yield_stress
   use sgmp_energy_terms, only: terms_value
   use sgmp_failure, only: carries_everything, failure_by_strain, failure_none
   use sgmp_kinds, only: dp, i8, lanes
@@ -19,7 +19,7 @@ module sgmp_judge_failure
   use sgmp_text, only: percent_text
   implicit none
   private
-  public :: judge_failure
+  public :: judge_failure, judge_torn
 
   real(dp), parameter :: least_work = 0.01_dp      !! of failed matter over the energy supplied
   real(dp), parameter :: flying_work = 0.05_dp     !! the same, where failed matter flies
@@ -27,6 +27,7 @@ module sgmp_judge_failure
   real(dp), parameter :: doubtful_work = 0.25_dp   !! the same
   real(dp), parameter :: failure_weight = 2.0_dp   !! error of energies over the work
   real(dp), parameter :: least_error = 0.1_dp      !! of what is coarse
+  real(dp), parameter :: doubtful_torn = 0.01_dp   !! of the mass of a body
 
 contains
 
@@ -74,6 +75,53 @@ contains
       call opinion%expect(max(least_error, failure_weight*left), reason)
     end if
   end subroutine judge_failure
+
+  !> Metals that were torn though no card says when they fail; all ranks must call it. They have
+  !! borne all the tension that their equation of state knows, which is tens of times what metals
+  !! bear (sgmp_torn_metals).
+  subroutine judge_torn(opinion, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    type(tally_t) :: tally
+    character(:), allocatable :: reason
+    real(dp) :: torn(size(model%bodies))
+    integer(i8) :: none(0)
+    integer :: b
+    if (.not. any([(law_tears(model%bodies(b)%law), b=1, size(model%bodies))])) return
+    call tally_reset(tally, size(model%bodies))
+    do b = 1, size(model%bodies)
+      if (law_tears(model%bodies(b)%law)) call add_torn(model%bodies(b), b, tally)
+    end do
+    call tally_total(tally, torn, none)
+    torn = torn/max(model%totals%bodies%mass, tiny(1.0_dp))
+    b = maxloc(torn, dim=1)
+    if (.not. torn(b) > 0.0_dp) return
+    reason = percent_text(torn(b))//" of body '"//trim(model%bodies(b)%name)//"' was torn, and "// &
+             'nothing says when it fails: so it held out for as long as its equation of state '// &
+             'lets it; give its material a card failure, such as pmin=…'
+    if (torn(b) > doubtful_torn) then
+      call opinion%object(reason)
+    else
+      call opinion%expect(least_error, reason)
+    end if
+  end subroutine judge_torn
+
+  !> Adds the mass of a body's particles that have failed.
+  subroutine add_torn(body, number, tally)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: number                !! of the body
+    type(tally_t), intent(inout) :: tally
+    integer :: c, l
+    associate (particles => body%particles, damage => body%law%slots%damage)
+      do c = 1, particles%chunks
+        do l = 1, lanes
+          if (particles%id(l, c) == 0) cycle
+          if (particles%state(l, damage, c) < 1.0_dp) cycle
+          call tally_add(tally, number, [particles%motion(l, motion_mass(particles%ndim), c)])
+        end do
+      end do
+    end associate
+  end subroutine add_torn
 
   !> Whether the particles of a body fail, or go, by a plastic strain of their own.
   pure logical function fails_by_strain(body) result(yes)

@@ -12,7 +12,7 @@ module sgmp_verdict
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
                                 judge_stressed, judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
-  use sgmp_judge_failure, only: judge_failure
+  use sgmp_judge_failure, only: judge_failure, judge_torn
   use sgmp_judge_fronts, only: judge_fronts
   use sgmp_judge_gases, only: judge_charges, judge_cushions
   use sgmp_judge_heat, only: judge_heat
@@ -112,6 +112,7 @@ contains
     call judge_waves(self%opinion, scene, model)
     call judge_fronts(self%opinion, model)
     call judge_failure(self%opinion, model, self%failure)
+    call judge_torn(self%opinion, model)
     call judge_spall(self%opinion, scene, model)
     call judge_heat(self%opinion, model, self%heat)
     call stage_objection(model, inexact, reason)

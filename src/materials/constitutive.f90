@@ -75,6 +75,7 @@ module sgmp_constitutive
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
+  public :: law_may_tear, law_tear, law_tears
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -799,6 +800,29 @@ contains
     yes = law%eos == eos_none .and. any(law%kind == [material_elastic, material_neo_hookean, &
                                                      material_mooney_rivlin])
   end function law_is_springy
+
+  !> Whether a metal with an equation of state has nobody who says when it fails, and goes.
+  elemental logical function law_may_tear(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = any(law%kind == [material_j2, material_johnson_cook, material_steinberg_guinan, &
+                           material_zerilli_armstrong]) .and. &
+          law%eos /= eos_none .and. eos_linear(law) .and. &
+          .not. (law%fails .or. law%erosion%given .or. law%porosity%porous .or. law%rigid .or. &
+                 law%small_strain)
+  end function law_may_tear
+
+  !> Such a metal fails where its equation of state bears no more tension.
+  elemental subroutine law_tear(law)
+    type(constitutive_t), intent(inout) :: law
+    law%fails = .true.
+    law%history%damage = .true.
+  end subroutine law_tear
+
+  !> Whether it does, and by nothing that a deck has asked for.
+  elemental logical function law_tears(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law%fails .and. law%history%damage .and. .not. (law%failure%given .or. law%jc%failure)
+  end function law_tears
 
   !> Whether matter keeps its form: neither a fluid nor a soil, which flow.
   elemental logical function law_bends(law) result(yes)

@@ -2,7 +2,7 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_density, body_t
-  use sgmp_constitutive, only: law_gaseous, law_liquid, material_crushable_foam, &
+  use sgmp_constitutive, only: law_gaseous, law_liquid, law_tears, material_crushable_foam, &
                                material_explosive, material_fluid
   use sgmp_debris, only: debris_possible
   use sgmp_failure, only: failure_none
@@ -67,7 +67,9 @@ contains
       state%particles = state%particles + model%totals%particles(b)
       call look_at_body(model%bodies(b), model%mesh, state)
       if (model%bodies(b)%twin_of > 0 .or. model%bodies(b)%family > 0) cycle  ! parts of one
-      if (holds_together(model%bodies(b))) call find_separated(scene%bodies(b), model, b, state)
+      if (holds_together(model%bodies(b), model%totals%bodies(b)%loose)) then
+        call find_separated(scene%bodies(b), model, b, state)
+      end if
     end do
     call find_inside(model, state)
     state%compression = parallel_max(state%compression)
@@ -163,12 +165,15 @@ contains
     if (yes) yes = pressure <= -body%law%failure%tension
   end function is_spray
 
-  !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail.
-  pure function holds_together(body) result(yes)
+  !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail, or fails
+  !! only where it is torn, and was not.
+  pure function holds_together(body, loose) result(yes)
     type(body_t), intent(in) :: body
+    real(dp), intent(in) :: loose                !! particles that have failed and are open
     logical :: yes
     yes = body%law%kind /= material_explosive .and. body%law%kind /= material_fluid .and. &
-          .not. (body%law%fails .or. body%law%erosion%given)
+          ((law_tears(body%law) .and. .not. loose > 0.0_dp) .or. &
+           .not. (body%law%fails .or. body%law%erosion%given))
   end function holds_together
 
   !> Counts the particles of a body out of reach of its largest pieces, of which it may have as

@@ -364,6 +364,20 @@ velocity a y=-speed
 history steps=50
 """
 
+# A block that is thrown apart and meets walls: what holds it together ends before they do.
+APART = """
+parameter speed = 0.3
+dimension 2
+grid cell=1 x=0:60 y=0:60
+wall x-=slip x+=slip y-=slip y+=slip
+method sgmp
+time end=60/speed cfl=0.5
+body b block material=m lower=(25,25) upper=(35,35)
+velocity b x="speed*(x-30)/5" y="speed*(y-30)/5"
+"""
+METAL = "material m j2 density=1 young=1 poisson=0.3 yield=1e-3\neos m gruneisen c0=0.9 s=1.5 gamma0=2\n"
+SAND = "material m drucker_prager density=1 young=1 poisson=0.3 friction=30\n"
+
 
 def doubts(report, name, deck, words, **settings):
     """A run that ends with exit code 0 and is called doubtful for a reason with these words."""
@@ -506,6 +520,7 @@ def criteria(report):
     rebounds(report)
     near_walls(report)
     foam(report)
+    apart(report)
     plates(report)
     balls(report)
     row(report)
@@ -1013,6 +1028,23 @@ def rolls(report):
     report.check(off < result["verdict_error"] <= 0.3, f"rolls: {off}, {result['verdict_error']}")
     still = run("rolls_not", ROLLS, pull=0)
     report.check(not any("rolls or slides" in why for why in still["verdict_reasons"]), f"rolls_not: {still.text}")
+
+
+def apart(report):
+    """A metal that nobody lets fail is torn, and says so; its pieces and those of sand, whose gaps are no matter, do not
+    shorten the step."""
+    result = doubts(report, "torn", METAL + APART + "output csv at=end fields=damage\n",
+                    "give its material a card failure")
+    rows = result.table("particles_end.csv")
+    torn = sum(row["damage"] >= 1 for row in rows)/len(rows)
+    told = next(why for why in result["verdict_reasons"] if "card failure" in why)
+    report.check(abs(float(told.split(" %")[0]) - 100*torn) < 0.006 and torn > 0.1, f"torn: {torn}, {told}")
+    report.check(len(result["verdict_reasons"]) == 1, f"torn: {result['verdict_reasons']}")
+    step = result["end_state.shortest_step"]/result["end_state.longest_step"]
+    report.check(step > 0.5, f"torn: steps {step}")
+    sand = run("parted", SAND + APART)
+    step = sand["end_state.shortest_step"]/sand["end_state.longest_step"]
+    report.check(step > 0.8, f"parted: steps {step}")
 
 
 def foam(report):
