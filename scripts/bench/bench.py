@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Nanoseconds per particle and step of the solver on this machine, beside targets and ceilings.
 
-usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--options | --against OTHER [--cpu]] [--set NAME=VALUE]
-[--prefix COMMAND] [--output DIR]
+usage: bench.py SGMP [--runs N] [--cells N] [--only TEXT] [--check | --options | --against OTHER [--cpu]]
+[--set NAME=VALUE] [--prefix COMMAND] [--output DIR]
 
 In one sitting it measures the machine (multiply-adds from registers, a triad through memory, a plain scalar loop of the
 same method: the Fortran programs beside), then every case several times. The median of the solver's own solve_seconds
@@ -136,6 +136,7 @@ CASES = [
     Case("tnt slab 1D, 2 per cell", "tnt_slab.inp", scaled={1: 25}, ndim=1, ppc=2, history=3, h=0.05),
     Case("beam 2D, 4 per cell", "beam.inp", scaled={1: 35}, ndim=2, ppc=4, t_end=0.005),
     Case("tnt on steel 3D", "tnt_steel.inp", history=4),
+    Case("charge in air 3D", "charge_air.inp", history=5, t_end=0.01),
     *(
         section(f"{what}, {material}", material, space)
         for material in ("elastic", "impact")
@@ -223,6 +224,16 @@ def measure(sgmp, case, threads, options, machine, scratch):
     }
 
 
+def check_reference(sgmp, tools, scratch):
+    """Ends where the plain loop does not compute what the solver does."""
+    plain = json.loads(call([], [str(tools/"reference"), "8", "19"]))
+    scene = Case("check", "block.inp", cells=8, steps=20)
+    energy = solve(sgmp, scene, 8, 1, [], scratch)["energy"]
+    share = energy["kinetic"]/energy["initial_total"]
+    if abs(plain["kinetic_share"] - share) > 1e-6:
+        sys.exit(f"bench: the reference loop keeps {plain['kinetic_share']} of the kinetic energy, the solver {share}")
+
+
 def measure_machine(options, tools, scratch):
     """Ceilings, the dense block by which targets are scaled, and the plain scalar loop - after a look whether it
     computes what the solver does."""
@@ -230,12 +241,7 @@ def measure_machine(options, tools, scratch):
     threads = max(options.threads)
     ceilings = json.loads(call(prefix, [str(tools/"ceilings")], threads))
     reference = json.loads(call(prefix, [str(tools/"reference"), "32", "8"]))
-    plain = json.loads(call([], [str(tools/"reference"), "8", "19"]))
-    scene = Case("check", "block.inp", cells=8, steps=20)
-    energy = solve(options.sgmp, scene, 8, 1, [], scratch)["energy"]
-    share = energy["kinetic"]/energy["initial_total"]
-    if abs(plain["kinetic_share"] - share) > 1e-6:
-        sys.exit(f"bench: the reference loop keeps {plain['kinetic_share']} of the kinetic energy, the solver {share}")
+    check_reference(options.sgmp, tools, scratch)
     dense = [
         solve(options.sgmp, CASES[0], options.cells, 1, prefix, scratch)["ns_per_particle_step"]
         for _ in range(options.runs)
@@ -392,6 +398,9 @@ def main():
     parser.add_argument("sgmp", help="path of the executable")
     parser.add_argument("--runs", type=int, default=3, help="runs per case (default 3)")
     parser.add_argument("--cells", type=int, default=64, help="cells along the dense block's edge (default 64)")
+    parser.add_argument(
+        "--check", action="store_true", help="see whether the plain loop computes what the solver does, nothing else"
+    )
     parser.add_argument("--options", action="store_true", help="measure what options cost, nothing else")
     parser.add_argument("--against", default="", help="another executable: runs take turns, nothing else is measured")
     parser.add_argument(
@@ -409,6 +418,10 @@ def main():
     for case in CASES:
         case.parameters.update(setting.split("=", 1) for setting in options.set)
     rows = []
+    if options.check:
+        with tempfile.TemporaryDirectory() as scratch:
+            check_reference(options.sgmp, pathlib.Path(options.sgmp).parent/"bench", scratch)
+        return
     if options.against:
         with tempfile.TemporaryDirectory() as scratch:
             measure_pairs(options, scratch)

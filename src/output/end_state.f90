@@ -2,8 +2,8 @@
 !! is not: extremes, particles apart from their bodies, volumes without room.
 module sgmp_end_state
   use sgmp_body, only: body_density, body_t
-  use sgmp_constitutive, only: law_gaseous, law_liquid, law_tears, material_crushable_foam, &
-                               material_explosive, material_fluid
+  use sgmp_constitutive, only: law_bends, law_gaseous, law_liquid, law_tears, &
+                               material_crushable_foam
   use sgmp_debris, only: debris_possible
   use sgmp_failure, only: failure_none
   use sgmp_filling, only: filling_measure
@@ -165,15 +165,16 @@ contains
     if (yes) yes = pressure <= -body%law%failure%tension
   end function is_spray
 
-  !> Whether a body is meant to stay in one piece: no fluid, and its material does not fail, or fails
-  !! only where it is torn, and was not.
+  !> Whether a body is meant to stay in one piece: it is no fluid and no soil, and its material has
+  !! no damage, or one only where it is torn, and was not.
   pure function holds_together(body, loose) result(yes)
     type(body_t), intent(in) :: body
     real(dp), intent(in) :: loose                !! particles that have failed and are open
     logical :: yes
-    yes = body%law%kind /= material_explosive .and. body%law%kind /= material_fluid .and. &
-          ((law_tears(body%law) .and. .not. loose > 0.0_dp) .or. &
-           .not. (body%law%fails .or. body%law%erosion%given))
+    associate (law => body%law)
+      yes = law_bends(law) .and. ((law_tears(law) .and. .not. loose > 0.0_dp) .or. &
+                                  .not. (law%fails .or. law%history%damage .or. law%erosion%given))
+    end associate
   end function holds_together
 
   !> Counts the particles of a body out of reach of its largest pieces, of which it may have as

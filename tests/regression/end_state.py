@@ -39,6 +39,11 @@ material glass j2 density=1 young=1 poisson=0 yield=1
 failure glass principal_stress=0.5
 material wax j2 density=1 young=1 poisson=0 yield=1
 erode wax plastic_strain=0.5
+material sand mohr_coulomb density=1 young=1 poisson=0 friction=30
+material tile johnson_holmquist density=0.9 shear_modulus=40 k1=60 k2=20 k3=30 hugoniot_limit=3 &
+  hugoniot_pressure=1.2 intact_strength=0.9 intact_exponent=0.6 &
+  fractured_strength=0.4 fractured_exponent=0.7 rate_coefficient=0.02 reference_rate=1e-3 tension_limit=1 &
+  damage_strain=0.1
 body drops block material={matter} lower=(0,0) upper=(12,4) ppc=2
 subtract drops block lower=({cut},0) upper=(8,4)
 """
@@ -131,9 +136,9 @@ def still(report):
 
 
 def halves(report):
-    """What may fly apart - fluids, explosives, what fails or is eroded - is not called numerical fracture; anything
-    else is."""
-    for matter in ("gas", "charge", "glass", "wax"):
+    """What may fly apart - fluids, explosives, soils, what fails or is eroded - is not called numerical fracture;
+    anything else is."""
+    for matter in ("gas", "charge", "glass", "wax", "sand", "tile"):
         result = run(f"halves_{matter}", HALVES.format(matter=matter, cut=4))
         if report.finished(result, matter):
             report.check(

@@ -1031,8 +1031,8 @@ def rolls(report):
 
 
 def apart(report):
-    """A metal that nobody lets fail is torn, and says so; its pieces and those of sand, whose gaps are no matter, do not
-    shorten the step."""
+    """A metal that nobody lets fail is torn, and says so; its pieces and those of sand, whose gaps are no matter, do
+    not shorten the step."""
     result = doubts(report, "torn", METAL + APART + "output csv at=end fields=damage\n",
                     "give its material a card failure")
     rows = result.table("particles_end.csv")

@@ -12,8 +12,8 @@ module sgmp_shared_nodes
   use sgmp_kernels, only: kernel_centred, kernel_sgmp, stencil_reach
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_place, mesh_t, wall_fixed, wall_free
-  use sgmp_rows, only: key_j, key_k, row_key, rows_dilate, rows_find, rows_intersection, rows_planes, &
-    rows_points, rows_t, rows_union
+  use sgmp_rows, only: key_j, key_k, row_key, rows_dilate, rows_find, rows_intersection, &
+    rows_planes, rows_points, rows_t, rows_union
   use sgmp_surface_particles, only: surface_bins, surface_list, surface_t
   implicit none
   private

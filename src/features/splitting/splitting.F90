@@ -89,9 +89,9 @@ contains
   end subroutine splitting_choose
 
   !> Which particles of a chunk may have a side longer than the limit, and have not been split as
-  !! often as may be: none is missed. Without the roots of the sides themselves, which most particles
-  !! do not need. Of a fluid's also those whose stretches are due to be renewed: with a side some way
-  !! beyond its bounds, or with a product that is more than 1 % off the volume.
+  !! often as may be: none is missed. Without the roots of the sides themselves, which most
+  !! particles do not need. Of a fluid's also those whose stretches are due to be renewed: with a
+  !! side some way beyond its bounds, or with a product that is more than 1 % off the volume.
   ! allow(S902)
   pure subroutine look_at(mesh, limit, fluid, half_size, motion, volume, stretch, path, &
                           longest_path, long)
