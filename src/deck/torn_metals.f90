@@ -10,7 +10,8 @@ module sgmp_torn_metals
   private
   public :: speed_at_start, tear_fast_metals
 
-  real(dp), parameter :: fast = 0.1_dp   !! of the bodies over that of sound in the bulk
+  ! Of the bodies over that of sound in the bulk; a ball on a plate tears from a third of it on.
+  real(dp), parameter :: fast = 0.2_dp
 
 contains
 
