@@ -3,13 +3,19 @@
 !! Every particle spreads its volume over the cells around it with the weights of the auxiliary
 !! grid, what falls behind a wall back into the scene. Where the volumes of a cell sum to more than
 !! the cell, particles have lost touch with the space they stand for: their neighbours are gone, or
-!! their volumes have drifted. Shares are whole numbers, so that sums depend on no order and on no
-!! layout of ranks.
+!! their volumes have drifted. Of spray and debris the volume of the matter counts, not the gaps
+!! that its particles stand for as well. Shares are whole numbers, so that sums depend on no order
+!! and on no layout of ranks.
 module sgmp_filling
+  use sgmp_body, only: body_t
+  use sgmp_constitutive, only: law_liquid
+  use sgmp_debris, only: debris_possible
+  use sgmp_failure, only: failure_none
   use sgmp_growing, only: grow
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_mesh, only: mesh_occupied, mesh_t, wall_free
   use sgmp_model, only: model_t
+  use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_deal, parallel_sum
   use sgmp_partition, only: partition_owner
   use sgmp_sorting, only: sort_order
@@ -93,14 +99,13 @@ contains
     m = 0
     at = -1_i8
     sums = 0_i8
-    associate (particles => model%bodies(b)%particles, &
-               volume => model%bodies(b)%law%slots%volume)
+    associate (particles => model%bodies(b)%particles)
       !$omp do
       do c = 1, particles%chunks
         do l = 1, lanes
           if (particles%id(l, c) == 0) cycle
-          call spread_one(model%mesh, particles%motion(l, :nd, c), particles%state(l, volume, c), &
-                          cells, shares)
+          call spread_one(model%mesh, particles%motion(l, :nd, c), &
+                          matter_volume(model%bodies(b), l, c), cells, shares)
           if (any(cells /= at)) then
             if (n + corners > batch) call append(new_cell, new_share, n, cell, share, m)
             new_cell(n + 1:n + corners) = at
@@ -123,6 +128,22 @@ contains
       share = share(:m)
     end if
   end subroutine spread_body
+
+  !> Volume of a particle; of one that has been pulled apart as far as it bears, a liquid's or one
+  !! that has failed, at most the first one.
+  pure function matter_volume(body, l, c) result(volume)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: l, c
+    real(dp) :: volume
+    logical :: apart
+    associate (law => body%law, particles => body%particles)
+      volume = particles%state(l, law%slots%volume, c)
+      apart = law_liquid(law) .and. law%failure%tension < failure_none
+      if (debris_possible(law)) apart = particles%state(l, law%slots%damage, c) >= 1.0_dp
+      if (.not. apart) return
+      volume = min(volume, particles%motion(l, motion_mass(particles%ndim), c)/law%density)
+    end associate
+  end function matter_volume
 
   !> Adds n new shares to m, each cell of them named once, and forgets them.
   pure subroutine append(new_cell, new_share, n, cell, share, m)

@@ -273,10 +273,14 @@ contains
   end subroutine put_step
 
   !> How many steps there will be and how long they may take, by those of a trial.
-  subroutine cost_estimate_write_time(trial, particles, threads)
+  !! Contact, debris and split particles come later than the trial, and cost up to three times as
+  !! much (doc/performance.md, What --check says).
+  subroutine cost_estimate_write_time(trial, model, particles)
     type(trial_t), intent(in) :: trial
+    type(model_t), intent(in) :: model
     integer(i8), intent(in) :: particles         !! of all ranks
-    integer, intent(in) :: threads               !! of each
+    integer :: threads
+    threads = model%team%threads
     call put('steps       about '//integer_text(nint(trial%ahead, i8))//' (those tried have '// &
              real_text_about(trial%dt)//'), '// &
              real_text_about(trial%ahead*real(particles, dp))//' particle-steps')
@@ -286,6 +290,10 @@ contains
              ', output not counted: '// &
              real_text_about(1.0e9_dp*trial%seconds/real(max(particles, 1_i8), dp))// &
              ' ns per particle-step in '//integer_text(trial%steps - 1)//' steps that were tried')
+    if (size(model%contact%pairs) > 0 .or. any(model%bodies%law%fails) .or. &
+        model%method%features%splitting%limit > 0.0_dp) then
+      call put('            up to three times as long once bodies meet, break or spread')
+    end if
   end subroutine cost_estimate_write_time
 
   !> What would make it cheaper, a line each.

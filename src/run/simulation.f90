@@ -83,7 +83,7 @@ contains
     if (speaks) call cost_estimate_write(scene, model)
     call trial_take(scene, model, trial)
     if (.not. speaks) return
-    call cost_estimate_write_time(trial, particles, model%team%threads)
+    call cost_estimate_write_time(trial, model, particles)
     call cost_estimate_write_advice([advice, advice_of_output(scene, trial, particles)])
     if (trial%failure /= '') write (error_unit, '(a)') 'warning: '//trial%failure
     do w = 1, size(warnings)

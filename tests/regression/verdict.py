@@ -530,6 +530,7 @@ def criteria(report):
     rolls(report)
     spall(report)
     spray(report)
+    splashes(report)
     tubes = [("sgmp", sound(report, "sod_sgmp", SOD, method="sgmp"), 0.05)]  # which splits what grows too large
     for method in ("gimp", "bspline"):  # the fan leaves gaps; between it and the shock by Riemann's solution
         tubes.append((method, coarse(report, f"sod_{method}", SOD, "larger than a cell", 0.1, method=method), 0.1))
@@ -968,6 +969,45 @@ def spray(report):
         return
     report.check(result["end_state.least_particles_per_cell"] < 0.9, "spray: nothing was pulled apart")
     report.check(not any("larger than a cell" in why for why in result["verdict_reasons"]), f"spray: {result.text}")
+
+
+# Water that breaks out, and splashes up at the wall on the other side.
+DAM = """
+dimension 2
+grid cell=0.1 x=0:5.4 y=0:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=1.2 cfl=0.5
+gravity (0,-9.81)
+material water fluid density=1000
+eos water tait c0=60
+viscosity all linear=0.1
+failure water pmin=0
+body column block material=water lower=(0,0) upper=(1,2)
+output csv at=end fields=mass,density
+"""
+
+
+def splashes(report):
+    """Of spray the volume of its matter counts: the share without room, spread here anew."""
+    result = sound(report, "splashes", DAM)
+    cells = {}
+    for row in result.table("particles_end.csv"):
+        volume = row["mass"]/max(row["density"], 1000)/0.1**2
+        low = [math.floor(row[axis]/0.1 - 0.5) for axis in "xy"]
+        for up in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            weight, cell = volume, []
+            for axis, first, step in zip("xy", low, up):
+                part = row[axis]/0.1 - 0.5 - first
+                weight *= part if step else 1 - part
+                cell.append(first + step)
+            cell = (min(max(cell[0], 0), 53), max(cell[1], 0))
+            cells[cell] = cells.get(cell, 0) + weight
+    without = sum(max(0, share - 1) for share in cells.values())/sum(cells.values())
+    report.check(
+        abs(result["end_state.volume_without_room"] - without) < 1e-4 and result["end_state.largest_expansion"] > 5,
+        f"splashes: {without}, {result['end_state']}",
+    )
 
 
 def waves(report):

@@ -62,8 +62,7 @@ def check(book, full):
             rows.append([NAMES[name], f"{ratio}", *(f"{u:.4f}" for u in found), f"{limit:.4f}"])
             note, known = (
                 (
-                    "the speed dips from 24 µs on at this size, not at h = 2 mm, with split=0.75, too, and by how much is "
-                    "chance; cause not known",
+                    "the speed dips from 24 µs on at this size, not at h = 2 mm, with split=0.75, too; cause not known",
                     0.469,
                 )
                 if name == "gimp"
