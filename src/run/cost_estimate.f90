@@ -279,7 +279,8 @@ contains
     type(trial_t), intent(in) :: trial
     type(model_t), intent(in) :: model
     integer(i8), intent(in) :: particles         !! of all ranks
-    integer :: threads
+    logical :: parts(size(model%bodies))         !! their particles may be parted
+    integer :: threads, b
     threads = model%team%threads
     call put('steps       about '//integer_text(nint(trial%ahead, i8))//' (those tried have '// &
              real_text_about(trial%dt)//'), '// &
@@ -290,8 +291,8 @@ contains
              ', output not counted: '// &
              real_text_about(1.0e9_dp*trial%seconds/real(max(particles, 1_i8), dp))// &
              ' ns per particle-step in '//integer_text(trial%steps - 1)//' steps that were tried')
-    if (size(model%contact%pairs) > 0 .or. any(model%bodies%law%fails) .or. &
-        model%method%features%splitting%limit > 0.0_dp) then
+    parts = [(model%bodies(b)%law%slots%path > 0, b=1, size(model%bodies))]
+    if (size(model%contact%pairs) > 0 .or. any(model%bodies%law%fails .or. parts)) then
       call put('            up to three times as long once bodies meet, break or spread')
     end if
   end subroutine cost_estimate_write_time
