@@ -22,7 +22,7 @@ contains
     type(registry_t), intent(inout) :: registry
     integer :: axis
     call registry%card('velocity', 'Initial velocity of a body.', 'velocity rod z="-190"', &
-                       read_velocity)
+                       read_velocity, check_velocity)
     call registry%key('body', kind_name_word, 'the body; default: all', default='all', slot=1)
     call register_components(registry, 'speed')
     call registry%key('spin', kind_expression, 'angular velocity about the axis, radians per '// &
@@ -100,6 +100,25 @@ contains
     call read_spin(card, named, draft)
     call read_omega(card, named, draft)
   end subroutine read_velocity
+
+  !> A velocity of a body that moves as its card rigid says would be lost.
+  subroutine check_velocity(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: named, axis
+    named = findloc(draft%scene%bodies%name == card%word('body'), .true., 1)
+    if (named == 0) return                       ! all, or an error already
+    associate (body => draft%scene%bodies(named))
+      if (.not. body%rigid .or. body%free) return
+      do axis = 1, 3
+        if (vanishes(card%values(card%at(draft%axis_key(axis)))%expression)) cycle
+        call draft%errors%add(card%place('body'), "body '"//trim(body%name)//"' is rigid: it "// &
+                              'moves as its card rigid says', 'give that card the velocity, '// &
+                              'or free=yes')
+        return
+      end do
+    end associate
+  end subroutine check_velocity
 
   !> The rotation that a card gives to a body, or to all.
   subroutine read_omega(card, named, draft)

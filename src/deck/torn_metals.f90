@@ -31,8 +31,8 @@ contains
     end do
   end subroutine tear_fast_metals
 
-  !> Largest speed of a body at the start: of a formula at the corners of the box around it, and in
-  !! its middle.
+  !> Largest speed of a body at the start: of a rigid one that of its motion, of a formula at the
+  !! corners of the box around it, and in its middle.
   function largest_speed(scene, b, n) result(speed)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: b, n        !! body, axes
@@ -41,6 +41,12 @@ contains
     integer :: corner, d
     speed = speed_at_start(scene, b, n)
     associate (body => scene%bodies(b))
+      if (body%rigid .and. .not. body%free) then
+        place = 0.0_dp
+        velocity = [(body%motion(d)%evaluate(place, place, 0.0_dp), d=1, n)]
+        if (all(abs(velocity) < huge(1.0_dp))) speed = norm2(velocity)
+        return
+      end if
       if (all(body%velocity(:n)%is_constant) .or. .not. allocated(body%shapes)) return
       call shapes_box(body%shapes, box(:, 0), box(:, 1))
       do corner = 0, 2**n

@@ -77,20 +77,23 @@ contains
   end subroutine judge_failure
 
   !> Metals that were torn though no card says when they fail; all ranks must call it. They have
-  !! borne all the tension that their equation of state knows, which is tens of times what metals
-  !! bear (sgmp_torn_metals).
+  !! borne all the tension that their equation of state knows, ten times and more what metals bear
+  !! (sgmp_torn_metals).
   subroutine judge_torn(opinion, model)
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
     type(tally_t) :: tally
     character(:), allocatable :: reason
+    logical :: tears(size(model%bodies))
     real(dp) :: torn(size(model%bodies))
     integer(i8) :: none(0)
     integer :: b
-    if (.not. any([(law_tears(model%bodies(b)%law), b=1, size(model%bodies))])) return
+    tears = [(law_tears(model%bodies(b)%law) .and. .not. model%bodies(b)%rigid, &
+              b=1, size(model%bodies))]
+    if (.not. any(tears)) return
     call tally_reset(tally, size(model%bodies))
     do b = 1, size(model%bodies)
-      if (law_tears(model%bodies(b)%law)) call add_torn(model%bodies(b), b, tally)
+      if (tears(b)) call add_torn(model%bodies(b), b, tally)
     end do
     call tally_total(tally, torn, none)
     torn = torn/max(model%totals%bodies%mass, tiny(1.0_dp))

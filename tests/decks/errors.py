@@ -111,6 +111,7 @@ EXPECTED = {
                      r"{d}:14:18: error: body 'gas' flows and does not touch itself",
                      r"{d}:15:23: error: body 'tool' is rigid and does not touch itself", r"^3 error"],
     "contact_rigid": [r"{d}:10:1: error: contact of two rigid bodies"],
+    "lost_velocity": [r"{d}:11:10: error: body 'a' is rigid: it moves as its card rigid says", r"^1 error"],
     "copies_plane": [r"{d}:5:62: error: the copies of a cylinder leave the axis",
                      r"{d}:6:53: error: the copies move towards the axis",
                      r"{d}:7:46: error: a body of revolution cannot be turned",
