@@ -113,8 +113,9 @@ debug: setup build/debug/.configured ## Build build/debug/sgmp with all run-time
 test-debug: debug setup-test ## Run all tests on the debug build
 	ctest --test-dir build/debug --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
-bench: build-all ## Measure nanoseconds per particle and step beside targets and what the machine can do (minutes)
+bench: build-all ## Measure nanoseconds per particle and step, and what whole runs take, beside targets (a quarter of an hour)
 	$(PYTHON) scripts/bench/bench.py build/release/sgmp
+	$(PYTHON) scripts/bench/whole_runs.py build/release/sgmp
 
 speed: build ## Error against CPU seconds of all methods on thirteen scenes (half an hour, may be stopped and started again): doc/speed-and-accuracy.md
 	$(PYTHON) verification/speed/speed.py

@@ -496,8 +496,16 @@ contains
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp) :: side(lanes)
+    real(dp) :: spacing(lanes, NDIM)
+    integer :: d
     side = mesh%h
-    if (mesh%graded) side = mesh%h*maxval(spacings(mesh, motion), dim=2)
+    if (.not. mesh%graded) return
+    spacing = spacings(mesh, motion)
+    side = spacing(:, 1)
+    do d = 2, NDIM
+      side = max(side, spacing(:, d))
+    end do
+    side = mesh%h*side
   end function sides
 
   !> Spacings of the centres between which particles are, along the axes (smallest cell).
@@ -508,7 +516,13 @@ contains
     real(dp) :: lower(lanes), place(lanes)
     integer :: d
     do d = 1, NDIM
+#if NDIM == 3
+      ! A bin is a cell: all particles lie between the same centres.
+      call graded_between(mesh%axes(d), 1, motion(1, d), spacing(1, d), lower, place)
+      spacing(:, d) = spacing(1, d)
+#else
       call graded_between(mesh%axes(d), lanes, motion(1, d), spacing(1, d), lower, place)
+#endif
     end do
   end function spacings
 

@@ -27,60 +27,67 @@ contains
     real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
     real(dp), intent(out) :: xi(lanes, NDIM)     !! new position in the bin
     logical, intent(out) :: outside
-    real(dp), dimension(lanes) :: before, place, sides, lower, base, part
-    real(dp) :: spacing, inverse, start, left, off, middle, half
+    real(dp), dimension(lanes, NDIM) :: before, place
+    real(dp), dimension(lanes) :: sides, lower, base, off
+    real(dp) :: spacing, inverse, start, part, middle, half, furthest, left
     integer :: l, d, c
-    left = 0.0_dp
+    before = motion(:, :NDIM)
+    off = 0.0_dp
     do d = 1, NDIM
-      before = motion(:, d)
       if (NDIM == 3 .or. d > 1) then             ! along this axis a bin is a cell
         c = nint(origin(d) - 0.5_dp)
         spacing = graded_spacing(mesh%axes(d), c + 1)
         inverse = dt/spacing
         start = graded_centre(mesh%axes(d), c)
-        off = 0.0_dp
-        !$omp simd simdlen(8) reduction(max:off)
+        !$omp simd simdlen(8)
         do l = 1, lanes
-          motion(l, d) = before(l) + inverse*velocity(l, d)
+          motion(l, d) = before(l, d) + inverse*velocity(l, d)
           xi(l, d) = motion(l, d) - origin(d)
-          place(l) = start + spacing*xi(l, d)
-          off = max(off, abs(xi(l, d) - 0.5_dp))
+          place(l, d) = start + spacing*xi(l, d)
+          off(l) = max(off(l), abs(xi(l, d) - 0.5_dp))
         end do
-        if (.not. off < 0.5_dp) then
-          do l = 1, lanes
-            if (abs(xi(l, d) - 0.5_dp) < 0.5_dp) cycle
-            motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
-            place(l) = graded_place(mesh%axes(d), motion(l, d))
-          end do
-          xi(:, d) = motion(:, d) - origin(d)
-        end if
       else
-        call graded_between(mesh%axes(d), lanes, before, sides, lower, base)
-        off = 0.0_dp
-        !$omp simd simdlen(8) reduction(max:off)
+        call graded_between(mesh%axes(d), lanes, before(1, d), sides, lower, base)
+        !$omp simd simdlen(8) private(part)
         do l = 1, lanes
-          part(l) = (before(l) - lower(l)) + dt*velocity(l, d)/sides(l)
-          motion(l, d) = lower(l) + part(l)
-          place(l) = base(l) + (motion(l, d) - lower(l))*sides(l)
-          off = max(off, abs(part(l) - 0.5_dp))
+          part = (before(l, d) - lower(l)) + dt*velocity(l, d)/sides(l)
+          motion(l, d) = lower(l) + part
+          xi(l, d) = motion(l, d) - origin(d)
+          place(l, d) = base(l) + part*sides(l)
+          off(l) = max(off(l), abs(part - 0.5_dp))
         end do
-        if (.not. off < 0.5_dp) then
-          do l = 1, lanes
-            if (abs(part(l) - 0.5_dp) < 0.5_dp) cycle
-            motion(l, d) = graded_advance(mesh%axes(d), before(l), dt*velocity(l, d))
-            place(l) = graded_place(mesh%axes(d), motion(l, d))
-          end do
-        end if
-        xi(:, d) = motion(:, d) - origin(d)
       end if
+    end do
+    furthest = 0.0_dp
+    !$omp simd simdlen(8) reduction(max:furthest)
+    do l = 1, lanes
+      furthest = max(furthest, off(l))
+    end do
+    if (.not. furthest < 0.5_dp) then            ! some have come between other centres
+      do d = 1, NDIM
+        do l = 1, lanes
+          if (off(l) < 0.5_dp) cycle
+          motion(l, d) = graded_advance(mesh%axes(d), before(l, d), dt*velocity(l, d))
+          xi(l, d) = motion(l, d) - origin(d)
+          place(l, d) = graded_place(mesh%axes(d), motion(l, d))
+        end do
+      end do
+    end if
+    left = 0.0_dp
+    off = 0.0_dp
+    do d = 1, NDIM
       middle = 0.5_dp*(extent(2, d) + extent(1, d))
       half = 0.5_dp*(extent(2, d) - extent(1, d))
-      !$omp simd simdlen(8) reduction(max:left)
+      !$omp simd simdlen(8)
       do l = 1, lanes
         lane_sums(l, sum_moment + d - 1) = lane_sums(l, sum_moment + d - 1) + &
-                                           live(l)*motion(l, mass_at)*place(l)
-        left = max(left, merge(0.0_dp, 1.0_dp, abs(xi(l, d) - middle) < half))
+                                           live(l)*motion(l, mass_at)*place(l, d)
+        off(l) = max(off(l), merge(0.0_dp, 1.0_dp, abs(xi(l, d) - middle) < half))
       end do
+    end do
+    !$omp simd simdlen(8) reduction(max:left)
+    do l = 1, lanes
+      left = max(left, off(l))
     end do
     outside = left > 0.0_dp
   end subroutine drift_graded

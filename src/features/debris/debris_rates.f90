@@ -73,12 +73,15 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: j, k, i
     real(dp) :: length
-    integer :: point(3)
+    integer :: point(3), d
     length = mesh%h
     if (.not. mesh%graded) return
     point = [i, j, k]
     if (mesh%ndim == 2) point(2) = k
-    length = mesh%h*maxval(graded_width(mesh%axes(:mesh%ndim), point(:mesh%ndim)))
+    length = 0.0_dp
+    do d = 1, mesh%ndim
+      length = max(length, mesh%h*graded_width(mesh%axes(d), point(d)))
+    end do
   end function side
 
   !> (DB3)
