@@ -24,7 +24,7 @@ module sgmp_deck
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
-  use sgmp_torn_metals, only: tear_fast_metals
+  use sgmp_fast_scenes, only: fast_scene_settle
   use sgmp_units, only: units_check
   implicit none
   private
@@ -80,7 +80,7 @@ contains
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
     call settle_method(cards, draft%scene)
-    call tear_fast_metals(draft%scene)
+    call fast_scene_settle(draft%scene)
     call particle_number_settle(draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)

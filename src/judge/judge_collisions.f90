@@ -25,7 +25,7 @@ module sgmp_judge_collisions
   use sgmp_shapes, only: shape_block, shape_ring
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
-  use sgmp_torn_metals, only: speed_at_start
+  use sgmp_fast_scenes, only: speed_at_start
   implicit none
   private
   public :: judge_collisions, judge_projectiles, projectile_narrow

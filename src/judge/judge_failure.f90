@@ -78,7 +78,7 @@ contains
 
   !> Metals that were torn though no card says when they fail; all ranks must call it. They have
   !! borne all the tension that their equation of state knows, ten times and more what metals bear
-  !! (sgmp_torn_metals).
+  !! (sgmp_fast_scenes).
   subroutine judge_torn(opinion, model)
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model

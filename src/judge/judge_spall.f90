@@ -16,7 +16,7 @@ module sgmp_judge_spall
   use sgmp_scene, only: scene_t
   use sgmp_text, only: real_text_about
   use sgmp_thickness, only: body_thickness
-  use sgmp_torn_metals, only: speed_at_start
+  use sgmp_fast_scenes, only: speed_at_start
   implicit none
   private
   public :: judge_spall

@@ -58,7 +58,7 @@ module sgmp_constitutive
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_strength, only: scatter_t, yield_scatter_keys, yield_scatter_read
-  use sgmp_viscosity, only: viscosity_read, viscosity_t
+  use sgmp_viscosity, only: viscosity_read, viscosity_t, viscosity_of_shocks
   use sgmp_voigt, only: stress_components
   implicit none
   private
@@ -76,6 +76,7 @@ module sgmp_constitutive
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
   public :: law_may_tear, law_tear, law_tears
+  public :: law_cavitate, law_first_pressure, law_may_cavitate, law_may_shock, law_spread_shocks
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
                         material_johnson_cook = 4, material_explosive = 5, material_fluid = 6, &
@@ -777,10 +778,54 @@ contains
   pure subroutine law_set_viscosity(values, law)
     class(values_t), intent(in) :: values
     type(constitutive_t), intent(inout) :: law
-    law%viscosity = viscosity_read(values)
-    law%viscous = law%viscosity%quadratic > 0.0_dp .or. law%viscosity%linear > 0.0_dp
-    law%across = law%viscous .and. any(law%kind == [material_fluid, material_explosive])
+    call set_viscosity(viscosity_read(values), law)
   end subroutine law_set_viscosity
+
+  pure subroutine set_viscosity(viscosity, law)
+    type(viscosity_t), intent(in) :: viscosity
+    type(constitutive_t), intent(inout) :: law
+    law%viscosity = viscosity
+    law%viscous = viscosity%quadratic > 0.0_dp .or. viscosity%linear > 0.0_dp
+    law%across = law%viscous .and. law_is_spherical(law)
+  end subroutine set_viscosity
+
+  !> Whether a material that shocks can run through has no card that says how they are spread.
+  elemental logical function law_may_shock(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = .not. (law%viscosity%given .or. law%rigid) .and. &
+          (law%eos /= eos_none .or. any(law%kind == [material_johnson_holmquist, &
+                                                     material_concrete]))
+  end function law_may_shock
+
+  !> Such a material gets the bulk viscosity that shocks want.
+  pure subroutine law_spread_shocks(law)
+    type(constitutive_t), intent(inout) :: law
+    call set_viscosity(viscosity_of_shocks, law)
+  end subroutine law_spread_shocks
+
+  !> Whether a liquid has no card that says how much tension it bears.
+  elemental logical function law_may_cavitate(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = law_liquid(law) .and. law%eos /= eos_none .and. .not. (law%fails .or. law%rigid)
+  end function law_may_cavitate
+
+  !> Such a liquid bears none: its pressure does not fall below 0.
+  elemental subroutine law_cavitate(law)
+    type(constitutive_t), intent(inout) :: law
+    law%fails = .true.
+    law%failure%tension = 0.0_dp
+  end subroutine law_cavitate
+
+  !> Pressure of a fluid at the start; 0 of what is none.
+  pure function law_first_pressure(law) result(pressure)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: pressure
+    real(dp) :: a0, b0, da, db
+    pressure = 0.0_dp
+    if (law%kind /= material_fluid .or. law%eos == eos_none) return
+    call eos_terms(law, 1.0_dp, law%history%first_energy, a0, b0, da, db)
+    pressure = a0 + b0*law%history%first_energy
+  end function law_first_pressure
 
   !> Whether the stress depends on the sides of the cells that matter is in.
   elemental logical function law_by_cells(law) result(yes)

@@ -6,13 +6,18 @@ module sgmp_viscosity
   implicit none
   private
   public :: viscosity_keys, viscosity_read
-  public :: closing_t, viscosity_t, viscosity_pressure, viscosity_lanes
+  public :: closing_t, viscosity_t, viscosity_of_shocks, viscosity_pressure, viscosity_lanes
 
   !> Coefficients; the defaults are the customary ones.
   type :: viscosity_t
     real(dp) :: quadratic = 1.5_dp  !! b1
     real(dp) :: linear = 0.06_dp   !! b2
+    logical :: given = .false.     !! by a card
   end type viscosity_t
+
+  !> What shocks get that no card speaks of. With the customary linear part peaks behind a front
+  !! are 1.5 to 2 times too high, with five times as much 1.2 to 1.5 times (doc/theory.md, 4).
+  type(viscosity_t), parameter :: viscosity_of_shocks = viscosity_t(1.5_dp, 0.3_dp)
 
   !> How matter closes in a step: what its viscous pressure follows from.
   type :: closing_t
@@ -34,7 +39,8 @@ contains
   pure function viscosity_read(values) result(law)
     class(values_t), intent(in) :: values
     type(viscosity_t) :: law
-    law = viscosity_t(quadratic=values%number('quadratic'), linear=values%number('linear'))
+    law = viscosity_t(quadratic=values%number('quadratic'), linear=values%number('linear'), &
+                      given=.true.)
   end function viscosity_read
 
   !> Viscous pressure q = rho h^2 b1 tr^2 - b2 rho h c tr in compression (tr < 0), else 0; adds to

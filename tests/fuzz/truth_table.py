@@ -3,14 +3,15 @@
 sound, coarse or doubted.
 
 usage: truth_table.py SGMP SOURCE_DIR SCRATCH_DIR [--inputs N] [--seed S] [--default | --method WORDS] [--jobs J]
-           [--again] [--only CLASS] [--unequal]
+           [--again] [--only CLASS] [--unequal | --bare]
        truth_table.py SGMP SOURCE_DIR SCRATCH_DIR --show S [--only CLASS]
 
 Scenes of the seeds S, S+1, …; half of them with `method sgmp` alone, with --default all, with --method all with those
 words of the card. Without --inputs one scene of each class, with --only all of one class. A coarse run keeps its
 promise if no error is larger than what it says is to be expected (or than what its class allows). Writes table.md,
 the rows of all runs so far in that folder as rows.jsonl, and the ten worst of what is sound and wrong as decks into
-SCRATCH_DIR; --unequal gives all scenes smaller cells in a part of a body (_unequal.py); --again adds to the rows of
+SCRATCH_DIR; --unequal gives all scenes smaller cells in a part of a body (_unequal.py); --bare takes the cards out that
+people leave out, `viscosity` and of fluids `failure pmin=0`, and passes scenes by that have none; --again adds to the rows of
 earlier calls, whose seeds are not run once more: a long table that was stopped goes on. The exit code is 1 if more
 than 3 of 100 sound runs are wrong, more than 1 of 100 of those with `method sgmp` and bodies of four cells and more,
 more than 5 of 100 right ones are doubted, fewer than 95 of 100 coarse ones keep their promise, or fewer than 40 of
@@ -96,9 +97,18 @@ def told(results):
     return {"doubtful": "doubted"}.get(word, word), max(result.summary.get("verdict_error", 0.0) for result in results)
 
 
+def bare(text):
+    """A deck without the cards that people leave out."""
+    fluids = re.findall(r"^material (\S+) fluid\b", text, flags=re.M)
+    return "".join(
+        line for line in text.splitlines(keepends=True)
+        if not line.startswith("viscosity") and not any(line.startswith(f"failure {name} pmin=0") for name in fluids)
+    )
+
+
 def judge(chosen, seed):
     """The row of one seed, and its decks: class, card, cells, end, the worst error over what is allowed, words, whether
-    a promised error was kept, wall time."""
+    a promised error was kept, wall time; nothing where --bare passes it by."""
     started = time.monotonic()
     name, truth, card = scene(seed, drawn(chosen, seed))
     if chosen.default or chosen.method or chosen.unequal:
@@ -108,6 +118,11 @@ def judge(chosen, seed):
     texts = [deck.replace("METHOD", card) for deck in truth.decks]
     if chosen.unequal:
         texts = [unequal(text, seed) for text in texts]
+    if chosen.bare:
+        whole, texts = texts, [bare(text) for text in texts]
+        if texts == whole:
+            os.rmdir(folder)
+            return None, texts
     results = [Result(chosen.sgmp, folder, f"scene_{i}", text) for i, text in enumerate(texts)]
     shutil.rmtree(folder)
     failed = next((result for result in results if result.code != 0), None)
@@ -193,6 +208,7 @@ def main():
     parser.add_argument("--method")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--unequal", action="store_true")
+    parser.add_argument("--bare", action="store_true")
     parser.add_argument("--only", choices=sorted(CLASSES))
     chosen = parser.parse_args()
     if chosen.show is not None:
@@ -214,6 +230,8 @@ def main():
     seeds = [seed for seed in range(chosen.seed, chosen.seed + (chosen.inputs or len(CLASSES))) if seed not in done]
     with open(path, "a", encoding="utf-8") as file, concurrent.futures.ThreadPoolExecutor(chosen.jobs) as pool:
         for row, texts in pool.map(lambda seed: judge(chosen, seed), seeds):
+            if row is None:
+                continue
             file.write(json.dumps({**row, "texts": texts if row["end"] == "wrong and sound" else []}) + "\n")
             file.flush()
     rows = rows_of(path)

@@ -1,0 +1,158 @@
+!> What a deck leaves to the program and a slow scene does not need (doc/materials.md, Fast scenes).
+!! Where bodies are fast at the start, pressures differ or something explodes, shocks run, and
+!!
+!! * materials with an equation of state and no card `viscosity` get a bulk viscosity,
+!! * liquids without a card `failure` bear no tension,
+!! * metals with an equation of state that no card lets fail are torn where it ends.
+module sgmp_fast_scenes
+  use sgmp_constitutive, only: constitutive_t, law_bends, law_cavitate, law_first_pressure, &
+                               law_liquid, law_may_cavitate, law_may_shock, law_may_tear, &
+                               law_spread_shocks, law_tear, material_explosive
+  use sgmp_kinds, only: dp
+  use sgmp_scene, only: scene_t
+  use sgmp_shapes, only: shapes_box
+  implicit none
+  private
+  public :: fast_scene_settle, speed_at_start
+
+  ! Speeds over that of sound in the bulk.
+  real(dp), parameter :: tears = 0.2_dp        !! a ball on a plate tears from a third of it on
+  real(dp), parameter :: shocks = 0.1_dp       !! of solids and gases: stress behind a front is off
+                                               !! by a fifth and more
+  real(dp), parameter :: hammers = 0.02_dp     !! of a liquid, by bodies that fly as a whole
+
+contains
+
+  !> Gives materials what a fast scene needs, and their cards do not say.
+  subroutine fast_scene_settle(scene)
+    type(scene_t), intent(inout) :: scene
+    real(dp) :: fastest, whole, pressure
+    logical :: explodes
+    integer :: b, m, n
+    n = scene%dimension
+    fastest = fastest_wall(scene, n)
+    whole = fastest
+    explodes = .false.
+    do b = 1, size(scene%bodies)
+      fastest = max(fastest, largest_speed(scene, b, n))
+      whole = max(whole, speed_at_start(scene, b, n), speed_when_driven(scene, b, n))
+      if (scene%bodies(b)%material == 0) cycle
+      if (scene%materials(scene%bodies(b)%material)%law%kind == material_explosive) explodes = .true.
+    end do
+    pressure = pressure_step(scene)
+    do m = 1, size(scene%materials)
+      associate (law => scene%materials(m)%law)
+        if (law_may_tear(law) .and. fastest > tears*law%bulk_speed) call law_tear(law)
+        if (.not. (explodes .or. is_hit(law, fastest, whole, pressure))) cycle
+        if (law_may_shock(law)) call law_spread_shocks(law)
+        if (law_may_cavitate(law)) call law_cavitate(law)
+      end associate
+    end do
+  end subroutine fast_scene_settle
+
+  !> Whether what moves or pushes at the start makes shocks in a material. A step of the pressure
+  !! moves matter by the pressure over density and speed of sound.
+  pure function is_hit(law, fastest, whole, pressure) result(yes)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: fastest    !! speed anywhere
+    real(dp), intent(in) :: whole      !! of bodies that fly as a whole
+    real(dp), intent(in) :: pressure   !! step of the pressure of fluids
+    logical :: yes
+    yes = fastest > shocks*law%bulk_speed
+    if (law_liquid(law)) yes = yes .or. whole > hammers*law%bulk_speed
+    if (.not. law_bends(law)) yes = yes .or. pressure > shocks*law%density*law%bulk_speed**2
+  end function is_hit
+
+  !> Largest difference of the pressures of fluids at the start.
+  pure function pressure_step(scene) result(step)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: step
+    real(dp) :: least, most, pressure
+    integer :: b
+    least = huge(1.0_dp)
+    most = -huge(1.0_dp)
+    do b = 1, size(scene%bodies)
+      if (scene%bodies(b)%rigid .or. scene%bodies(b)%material == 0) cycle
+      associate (law => scene%materials(scene%bodies(b)%material)%law)
+        if (law_bends(law)) cycle
+        pressure = law_first_pressure(law)
+        least = min(least, pressure)
+        most = max(most, pressure)
+      end associate
+    end do
+    step = max(0.0_dp, most - least)
+  end function pressure_step
+
+  !> Largest speed of a wall at the start.
+  function fastest_wall(scene, n) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: n           !! axes
+    real(dp) :: speed
+    real(dp), parameter :: origin(3) = 0.0_dp
+    real(dp) :: velocity(n)
+    integer :: axis, side, d
+    speed = 0.0_dp
+    do axis = 1, n
+      do side = 1, 2
+        associate (wall => scene%grid%wall_velocity(:, side, axis))
+          velocity = [(wall(d)%evaluate(origin, origin, 0.0_dp), d=1, n)]
+        end associate
+        if (all(abs(velocity) < huge(1.0_dp))) speed = max(speed, norm2(velocity))
+      end do
+    end do
+  end function fastest_wall
+
+  !> Speed at the start of a rigid body whose motion is prescribed; 0 of others.
+  function speed_when_driven(scene, b, n) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, n        !! body, axes
+    real(dp) :: speed
+    real(dp), parameter :: origin(3) = 0.0_dp
+    real(dp) :: velocity(n)
+    integer :: d
+    speed = 0.0_dp
+    associate (body => scene%bodies(b))
+      if (body%free .or. .not. body%rigid) return
+      velocity = [(body%motion(d)%evaluate(origin, origin, 0.0_dp), d=1, n)]
+      if (all(abs(velocity) < huge(1.0_dp))) speed = norm2(velocity)
+    end associate
+  end function speed_when_driven
+
+  !> Largest speed of a body at the start: of a rigid one that of its motion, of a formula at the
+  !! corners of the box around it, and in its middle.
+  function largest_speed(scene, b, n) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, n        !! body, axes
+    real(dp) :: speed
+    real(dp) :: box(3, 0:1), place(3), velocity(n)
+    integer :: corner, d
+    speed = speed_at_start(scene, b, n)
+    associate (body => scene%bodies(b))
+      if (body%rigid .and. .not. body%free) then
+        speed = speed_when_driven(scene, b, n)
+        return
+      end if
+      if (all(body%velocity(:n)%is_constant) .or. .not. allocated(body%shapes)) return
+      call shapes_box(body%shapes, box(:, 0), box(:, 1))
+      do corner = 0, 2**n
+        place = 0.0_dp
+        place(:n) = [(box(d, merge(1, 0, btest(corner, d - 1))), d=1, n)]
+        if (corner == 2**n) place(:n) = 0.5_dp*(box(:n, 0) + box(:n, 1))
+        velocity = [(body%velocity(d)%evaluate(place, place, 0.0_dp), d=1, n)]
+        if (all(abs(velocity) < huge(1.0_dp))) speed = max(speed, norm2(velocity))
+      end do
+    end associate
+  end function largest_speed
+
+  !> Speed of a body at the start; 0 where it is not the same everywhere.
+  pure function speed_at_start(scene, b, n) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, n        !! body, axes
+    real(dp) :: speed
+    speed = 0.0_dp
+    associate (start => scene%bodies(b)%velocity(:n))
+      if (all(start%is_constant)) speed = norm2(start%value)
+    end associate
+  end function speed_at_start
+
+end module sgmp_fast_scenes
