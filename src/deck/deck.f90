@@ -9,6 +9,7 @@ module sgmp_deck
   use sgmp_deck_table, only: deck_table
   use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, &
                                gas_on_rigid, gas_sides
+  use sgmp_fast_scenes, only: fast_scene_settle, liquid_thrown
   use sgmp_features, only: features_split_gas
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
@@ -24,7 +25,6 @@ module sgmp_deck
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
-  use sgmp_fast_scenes, only: fast_scene_settle
   use sgmp_units, only: units_check
   implicit none
   private
@@ -143,7 +143,8 @@ contains
                                   gas_alone(scene))
         end if
         method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene) .or. &
-                                           gas_in_gas(scene) .or. gas_on_rigid(scene))
+                                           gas_in_gas(scene) .or. gas_on_rigid(scene) .or. &
+                                           liquid_thrown(scene))
       end if
       if (method%volumes_kept) then
         method%normalised = .true.

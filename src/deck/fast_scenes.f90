@@ -6,14 +6,14 @@
 !! * metals with an equation of state that no card lets fail are torn where it ends.
 module sgmp_fast_scenes
   use sgmp_constitutive, only: constitutive_t, law_bends, law_cavitate, law_first_pressure, &
-                               law_liquid, law_may_cavitate, law_may_shock, law_may_tear, &
-                               law_spread_shocks, law_tear, material_explosive
+                               law_is_spherical, law_liquid, law_may_cavitate, law_may_shock, &
+                               law_may_tear, law_spread_shocks, law_tear, material_explosive
   use sgmp_kinds, only: dp
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shapes_box
   implicit none
   private
-  public :: fast_scene_settle, speed_at_start
+  public :: fast_scene_settle, liquid_thrown, speed_at_start
 
   ! Speeds over that of sound in the bulk.
   real(dp), parameter :: tears = 0.2_dp        !! a ball on a plate tears from a third of it on
@@ -21,46 +21,80 @@ module sgmp_fast_scenes
                                                !! by a fifth and more
   real(dp), parameter :: hammers = 0.02_dp     !! of a liquid, by bodies that fly as a whole
 
+  !> How fast a scene begins.
+  type :: pace_t
+    real(dp) :: anywhere = 0.0_dp    !! largest speed
+    real(dp) :: whole = 0.0_dp       !! the same of bodies that fly as a whole
+    real(dp) :: pressure = 0.0_dp    !! largest step of the pressure of fluids
+    logical :: explodes = .false.
+  end type pace_t
+
 contains
 
   !> Gives materials what a fast scene needs, and their cards do not say.
   subroutine fast_scene_settle(scene)
     type(scene_t), intent(inout) :: scene
-    real(dp) :: fastest, whole, pressure
-    logical :: explodes
-    integer :: b, m, n
-    n = scene%dimension
-    fastest = fastest_wall(scene, n)
-    whole = fastest
-    explodes = .false.
-    do b = 1, size(scene%bodies)
-      fastest = max(fastest, largest_speed(scene, b, n))
-      whole = max(whole, speed_at_start(scene, b, n), speed_when_driven(scene, b, n))
-      if (scene%bodies(b)%material == 0) cycle
-      if (scene%materials(scene%bodies(b)%material)%law%kind == material_explosive) explodes = .true.
-    end do
-    pressure = pressure_step(scene)
+    type(pace_t) :: pace
+    integer :: m
+    pace = pace_of(scene)
     do m = 1, size(scene%materials)
       associate (law => scene%materials(m)%law)
-        if (law_may_tear(law) .and. fastest > tears*law%bulk_speed) call law_tear(law)
-        if (.not. (explodes .or. is_hit(law, fastest, whole, pressure))) cycle
+        if (law_may_tear(law) .and. pace%anywhere > tears*law%bulk_speed) call law_tear(law)
+        if (.not. is_hit(law, pace)) cycle
         if (law_may_shock(law)) call law_spread_shocks(law)
         if (law_may_cavitate(law)) call law_cavitate(law)
       end associate
     end do
   end subroutine fast_scene_settle
 
+  !> Whether a liquid is hit or flies, and nothing but fluids deforms.
+  function liquid_thrown(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    type(pace_t) :: pace
+    integer :: b
+    yes = .false.
+    pace = pace_of(scene)
+    if (pace%explodes) return
+    do b = 1, size(scene%bodies)
+      if (scene%bodies(b)%rigid .or. scene%bodies(b)%material == 0) cycle
+      associate (law => scene%materials(scene%bodies(b)%material)%law)
+        yes = yes .or. (law_liquid(law) .and. is_hit(law, pace))
+        if (law_is_spherical(law)) cycle
+        yes = .false.
+        return
+      end associate
+    end do
+  end function liquid_thrown
+
+  !> How fast a scene begins.
+  function pace_of(scene) result(pace)
+    type(scene_t), intent(in) :: scene
+    type(pace_t) :: pace
+    integer :: b, n
+    n = scene%dimension
+    do b = 1, size(scene%bodies)
+      pace%anywhere = max(pace%anywhere, largest_speed(scene, b, n))
+      pace%whole = max(pace%whole, speed_at_start(scene, b, n), speed_when_driven(scene, b, n))
+      if (scene%bodies(b)%material == 0) cycle
+      associate (law => scene%materials(scene%bodies(b)%material)%law)
+        pace%explodes = pace%explodes .or. law%kind == material_explosive
+      end associate
+    end do
+    pace%pressure = pressure_step(scene)
+  end function pace_of
+
   !> Whether what moves or pushes at the start makes shocks in a material. A step of the pressure
   !! moves matter by the pressure over density and speed of sound.
-  pure function is_hit(law, fastest, whole, pressure) result(yes)
+  pure function is_hit(law, pace) result(yes)
     type(constitutive_t), intent(in) :: law
-    real(dp), intent(in) :: fastest    !! speed anywhere
-    real(dp), intent(in) :: whole      !! of bodies that fly as a whole
-    real(dp), intent(in) :: pressure   !! step of the pressure of fluids
+    type(pace_t), intent(in) :: pace
     logical :: yes
-    yes = fastest > shocks*law%bulk_speed
-    if (law_liquid(law)) yes = yes .or. whole > hammers*law%bulk_speed
-    if (.not. law_bends(law)) yes = yes .or. pressure > shocks*law%density*law%bulk_speed**2
+    yes = pace%explodes .or. pace%anywhere > shocks*law%bulk_speed
+    if (law_liquid(law)) yes = yes .or. pace%whole > hammers*law%bulk_speed
+    if (.not. law_bends(law)) then
+      yes = yes .or. pace%pressure > shocks*law%density*law%bulk_speed**2
+    end if
   end function is_hit
 
   !> Largest difference of the pressures of fluids at the start.
@@ -82,25 +116,6 @@ contains
     end do
     step = max(0.0_dp, most - least)
   end function pressure_step
-
-  !> Largest speed of a wall at the start.
-  function fastest_wall(scene, n) result(speed)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: n           !! axes
-    real(dp) :: speed
-    real(dp), parameter :: origin(3) = 0.0_dp
-    real(dp) :: velocity(n)
-    integer :: axis, side, d
-    speed = 0.0_dp
-    do axis = 1, n
-      do side = 1, 2
-        associate (wall => scene%grid%wall_velocity(:, side, axis))
-          velocity = [(wall(d)%evaluate(origin, origin, 0.0_dp), d=1, n)]
-        end associate
-        if (all(abs(velocity) < huge(1.0_dp))) speed = max(speed, norm2(velocity))
-      end do
-    end do
-  end function fastest_wall
 
   !> Speed at the start of a rigid body whose motion is prescribed; 0 of others.
   function speed_when_driven(scene, b, n) result(speed)

@@ -250,8 +250,11 @@ contains
     n = viscosity_terms(material, mpm3d_given(deck, 'tlmp'))
     terms = deck%viscosity
     terms(n + 1:) = 0.0_dp
-    if (any(terms > 0.0_dp)) call native%add('viscosity '//name// &
-                                             keys(terms, 'quadratic linear'))
+    if (any(terms > 0.0_dp)) then
+      call native%add('viscosity '//name//keys(terms, 'quadratic linear'))
+    else if (material%eos > 0) then   ! what the program would give a fast scene
+      call native%add('viscosity '//name//' quadratic=0 linear=0')
+    end if
     text = name//': of '//trim(material%kind)//' MPM3D has '//trim(words(n))
     if (n > 0) text = text//' (there only where the mean stress is compressive)'
     if (mpm3d_given(deck, 'bulk')) then

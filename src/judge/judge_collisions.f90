@@ -15,6 +15,7 @@ module sgmp_judge_collisions
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
+  use sgmp_fast_scenes, only: speed_at_start
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
@@ -25,7 +26,6 @@ module sgmp_judge_collisions
   use sgmp_shapes, only: shape_block, shape_ring
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
-  use sgmp_fast_scenes, only: speed_at_start
   implicit none
   private
   public :: judge_collisions, judge_projectiles, projectile_narrow

@@ -9,6 +9,7 @@ module sgmp_judge_spall
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: law_is_spherical
   use sgmp_failure, only: failure_by_strain, failure_none
+  use sgmp_fast_scenes, only: speed_at_start
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
@@ -16,7 +17,6 @@ module sgmp_judge_spall
   use sgmp_scene, only: scene_t
   use sgmp_text, only: real_text_about
   use sgmp_thickness, only: body_thickness
-  use sgmp_fast_scenes, only: speed_at_start
   implicit none
   private
   public :: judge_spall

@@ -806,7 +806,8 @@ contains
   !> Whether a liquid has no card that says how much tension it bears.
   elemental logical function law_may_cavitate(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    yes = law_liquid(law) .and. law%eos /= eos_none .and. .not. (law%fails .or. law%rigid)
+    yes = law_liquid(law) .and. law%eos /= eos_none .and. &
+          .not. (law%fails .or. law%rigid .or. law%porosity%porous)
   end function law_may_cavitate
 
   !> Such a liquid bears none: its pressure does not fall below 0.

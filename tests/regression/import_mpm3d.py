@@ -300,7 +300,7 @@ def without_viscosity():
         if not re.match("viscosity |parameter linear", line)
     ]
     with open(path, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines) + "\n")
+        file.write("\n".join([*lines, "viscosity all quadratic=0 linear=0"]) + "\n")
     return path
 
 

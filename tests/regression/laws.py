@@ -31,6 +31,8 @@ SOILS = (  # friction, cohesion, dilatancy, tension
 REGIONS = {"elastic", "face", "edge s2 = s3", "edge s1 = s2", "apex", "cut-off", "cut-off, two", "cut-off, three",
            "face and cut-off",
            "edge s2 = s3 and cut-off", "edge s1 = s2 and cut-off"}
+# What fast scenes would get.
+STILL = "viscosity all quadratic=0 linear=0"
 
 
 def dot(a, b):
@@ -335,7 +337,7 @@ def metals(report):
         deck = ["dimension 1", f"grid cell={cell}", f"time dt={0.2/abs(rate)/steps!r} steps={steps}",
                 f"material m {metal['law']} {words}",
                 *([f"eos m shock c0={eos['c0']} s={eos['s']} gamma0={eos['gamma0']}"] if eos else []),
-                *(["viscosity m quadratic=1.5 linear=0"] if viscous else []),
+                "viscosity m quadratic=1.5 linear=0" if viscous else STILL,
                 f"body b block material=m lower={-15*cell} upper={15*cell} ppc=2", f'velocity b x="{rate!r}*x"',
                 f"gauge middle point={cell/4} fields=plastic_strain" +
                 (",temperature" if metal["specific_heat"] else ""), "history steps=50"]
@@ -413,7 +415,7 @@ def swing(report, cases, kind, states, second):
                 f"material m {kind} {words}",
                 f"body b block material=m lower={-6*cell} upper={6*cell} ppc=2", f'velocity b x="{-size*w!r}*x"',
                 f'bodyforce b x="{size*w**2!r}*sin({w!r}*t)/(1-{size}*sin({w!r}*t))*x"',
-                f"gauge middle point={cell/4} fields={','.join(kept)}", f"history steps={every}"]
+                f"gauge middle point={cell/4} fields={','.join(kept)}", f"history steps={every}", STILL]
         result = run("ceramic_" + name, "\n".join(deck) + "\n")
         if not report.finished(result, name):
             continue
@@ -504,7 +506,7 @@ def swung(report, name, law, constants, size, fields):
             f"material m {law} {words}",
             f"body b block material=m lower={-6*cell} upper={6*cell} ppc=2", f'velocity b x="{-size*w!r}*x"',
             f'bodyforce b x="{size*w**2!r}*sin({w!r}*t)/(1-{size}*sin({w!r}*t))*x"',
-            f"gauge middle point={cell/4} fields={fields}", f"history steps={every}"]
+            f"gauge middle point={cell/4} fields={fields}", f"history steps={every}", STILL]
     result = run(name, "\n".join(deck) + "\n")
     if not report.finished(result, name):
         return None, None
@@ -572,7 +574,7 @@ def bound_clays(report):
                 f"body b block material=m lower=({lower}) upper=({upper}) ppc=2",
                 "velocity b " + " ".join(f'{a}="{s*rate!r}*{a}"' for a, s in zip(axes, speeds)),
                 f"gauge middle point=({','.join(['2500']*n)}) fields=plastic_strain,preconsolidation",
-                "history steps=20"]
+                "history steps=20", STILL]
         name = f"bound_{space}_{speeds[-1]}"
         result = run(name, "\n".join(deck) + "\n")
         if not report.finished(result, name):

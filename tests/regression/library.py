@@ -30,6 +30,7 @@ time dt={dt} steps={steps}
 include "{file}"
 body b block material={name} lower={lower} upper={upper} ppc=2
 velocity b {velocity}
+viscosity all quadratic=0 linear=0
 {more}
 gauge middle point={middle}
 history steps={every}

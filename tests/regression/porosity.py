@@ -122,6 +122,7 @@ grid cell={cell}
 time dt={total/steps!r} steps={steps}
 material m fluid density={DENSITY!r}
 eos m shock {EOS} pore_speed={ce}
+viscosity m quadratic=0 linear=0
 body b block material=m lower={-15*cell} upper={15*cell} ppc=2
 velocity b x="-{rate + drift!r}*x"
 bodyforce b x="{rate*w!r}*sin({w!r}*t)*x0"
@@ -209,6 +210,7 @@ grid cell={cell}
 time dt={0.3/rate/steps!r} steps={steps}
 material m {law}
 eos m {'gruneisen' if series else 'shock'} {EOS}
+viscosity m quadratic=0 linear=0
 body b block material=m lower={-15*cell} upper={15*cell} ppc=2
 velocity b x="-{rate!r}*x"{turn}
 gauge middle point={cell/4} fields=energy,distention

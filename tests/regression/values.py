@@ -145,11 +145,11 @@ def viscosity(report):
     law = f"johnson_cook density={DENSITY} young={YOUNG} poisson={POISSON} yield=1e9"
     eos = f"eos m gruneisen c0={c0} s=1.5 gamma0=0"
     trace = -sum(GRAD[i][i] for i in range(3))*4
-    other = "material other elastic density=1 young=1 poisson=0"
+    other, none = "material other elastic density=1 young=1 poisson=0", "viscosity m quadratic=0 linear=0"
     for name, before, card, factor in (
         ("mine", "", f"viscosity m quadratic={quadratic} linear={linear}", 1),
         ("all", "", f"viscosity quadratic={quadratic} linear={linear}", 1),
-        ("later", "", f"{other}\nviscosity other", 0), ("earlier", other, "viscosity other", 0),
+        ("later", "", f"{other}\nviscosity other\n{none}", 0), ("earlier", other, f"viscosity other\n{none}", 0),
     ):
         row, _ = strained(
             f"viscosity_{name}", law=law, before=before, more=f"{eos}\n{card}", fields=",energy", scale=-4, dt=tiny

@@ -70,6 +70,7 @@ material tnt explosive density=1.63e-3 detonation_speed=6930
 eos tnt jwl a=371200 b=3210 r1=4.15 r2=0.95 omega=0.30 energy0=6993
 body charge block material=tnt lower=(0,0) upper=(20,fill) ppc=2
 detonation point=(0,0,0)
+viscosity all quadratic=0 linear=0
 history steps=100
 stop energy_growth=10
 """

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Decks of fast scenes that leave cards out (doc/materials.md, Fast scenes): a bird before a wall against Bernoulli,
+plates of copper against the Hugoniot, a ball of hot gas against the largest compression by a shock; a slow scene gets
+nothing, and the deck's own words win.
+
+usage: fast_scenes.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from _runs import Report
+
+BIRD = """
+units m kg s
+parameter h = 2.5e-3
+dimension axisymmetric
+grid cell=h r=0:open z=0:open
+wall z-=slip
+method sgmp
+time end=1e-3
+material bird fluid density=950
+eos bird gruneisen c0=1480 s=2 gamma0=0.1
+body bird block material=bird lower=(0,0) upper=(0.05,0.2)
+velocity bird z=-120
+history steps=10
+gauge middle point=(0,0.002) radius=0.008
+"""
+PLATES = """
+units mm g ms
+parameter speed = 500
+dimension 1
+grid cell=0.1 x=open
+method sgmp
+time end=1e-3
+material cu j2 density=8.93e-3 young=117e3 poisson=0.35 yield=90
+eos cu gruneisen c0=3940 s=1.49 gamma0=1.99
+body left block material=cu lower=-10 upper=0
+body right block material=cu lower=0 upper=10
+velocity left x=speed
+velocity right x=-speed
+output csv at=end fields=pressure
+"""
+FLASH = """
+dimension axisymmetric
+grid cell=0.05 r=0:2 z=0:2
+wall z-=slip z+=slip r+=slip
+method sgmp
+time end=0.15
+material hot fluid density=1
+eos hot ideal_gas gamma=1.4 energy0=250
+material cold fluid density=1
+eos cold ideal_gas gamma=1.4 energy0=2.5
+body hot sphere material=hot centre=(0,0) radius=0.4
+intersect hot block lower=(0,0) upper=(2,2)
+body cold block material=cold lower=(0,0) upper=(2,2)
+subtract cold sphere centre=(0,0) radius=0.4
+"""
+report = Report()
+sgmp, scratch = str(Path(sys.argv[1]).resolve()), Path(sys.argv[3])
+scratch.mkdir(parents=True, exist_ok=True)
+
+
+def run(name, text, *sets):
+    """Folder and summary of a run."""
+    deck = scratch/f"{name}.inp"
+    deck.write_text(text, encoding="utf-8")
+    folder = scratch/f"{name}.out"
+    words = [sgmp, deck, "--quiet", "--threads", "1", "--output", folder]
+    done = subprocess.run(words + [word for text in sets for word in ("--set", text)],
+                          capture_output=True, text=True, check=False)
+    report.check(done.returncode == 0, f"{name}: {done.stderr}")
+    return folder, json.loads((folder/"summary.json").read_text(encoding="utf-8"))
+
+
+def table(path):
+    """Columns of a file of rows."""
+    with open(path, encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {key: [row[key] for row in rows] for key in rows[0]}
+
+
+def numbers(path, *keys):
+    """Some columns as numbers."""
+    found = table(path)
+    return [[float(text) for text in found[key]] for key in keys]
+
+
+def bird():
+    """The force of a jet on a wall is rho v^2 A, the pressure in its middle rho v^2/2, and nothing is pulled."""
+    folder, summary = run("bird", BIRD)
+    report.check(summary["volumes"] == "kept", f"bird: volumes {summary['volumes']}")
+    time, momentum = numbers(folder/"history.csv", "time", "momentum_z")
+    first, last = (min(range(len(time)), key=lambda i, at=at: abs(time[i] - at)) for at in (4e-4, 9e-4))
+    force = (momentum[last] - momentum[first])/(time[last] - time[first])
+    jet = 950*120**2*3.14159265*0.05**2
+    report.check(abs(force/jet - 1) < 0.05, f"bird: force {force/jet:.4f} of rho v^2 A")
+    time, pressure = numbers(folder/"gauges.csv", "time", "pressure")
+    late = [p for t, p in zip(time, pressure) if t > 6e-4]
+    mean = sum(late)/len(late)/(0.5*950*120**2)
+    report.check(0.75 < mean < 1.2, f"bird: pressure {mean:.3f} of rho v^2/2")
+    report.check(min(pressure) >= 0, f"bird: pressure {min(pressure)}")
+
+
+def behind(name, *sets):
+    """Mean pressure around the plane where plates meet, and the largest anywhere."""
+    folder, summary = run(name, PLATES, *sets)
+    place, pressure = numbers(folder/"particles_end.csv", "x", "pressure")
+    near = [p for x, p in zip(place, pressure) if abs(x) < 1.4]
+    return sum(near)/len(near), max(pressure), summary
+
+
+def plates():
+    """Pressure behind the front by the Hugoniot, and how far it is surpassed."""
+    hugoniot = 8.93e-3*(3940 + 1.49*500)*500
+    mean, most, summary = behind("plates")
+    report.check(abs(mean/hugoniot - 1) < 0.015, f"plates: mean {mean/hugoniot:.4f} of the Hugoniot's")
+    report.check(most < 1.25*mean, f"plates: peak {most/mean:.3f}")
+    report.check(summary["end_state"]["viscous_share"] > 0, "plates: no viscosity")
+    summary = behind("slow", "speed=190")[2]
+    report.check(not summary["end_state"]["viscous_share"] > 0, "slow plates have got a viscosity")
+
+
+def words():
+    """What a deck says stays."""
+    text = PLATES + "viscosity all quadratic=0 linear=0\n"
+    _, summary = run("bare", text)
+    report.check(not summary["end_state"]["viscous_share"] > 0, "a viscosity of nothing is one")
+    text = BIRD.replace("method sgmp", "method sgmp volumes=plain") + "failure bird pmin=-50e6\n"
+    folder, summary = run("pulled", text, "h=5e-3")
+    report.check(summary["volumes"] == "plain", f"pulled: volumes {summary['volumes']}")
+    least = summary["end_state"]["least_pressure"]
+    pressure = numbers(folder/"gauges.csv", "pressure")[0]
+    report.check(min(*pressure, least) < -1e6, f"pulled: least pressure {min(*pressure, least)}, pmin is -50 MPa")
+
+
+def flash():
+    """A shock makes a gas of gamma = 1.4 at most six times as dense; what runs inwards meets in the middle."""
+    summary = run("flash", FLASH)[1]
+    most = summary["end_state"]["largest_compression"]
+    report.check(most < 12, f"flash: {most} times as dense")
+    report.check(summary["end_state"]["viscous_share"] > 0, "flash: no viscosity")
+
+
+bird()
+plates()
+words()
+flash()
+report.end()
