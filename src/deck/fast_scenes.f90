@@ -39,7 +39,9 @@ contains
     pace = pace_of(scene)
     do m = 1, size(scene%materials)
       associate (law => scene%materials(m)%law)
-        if (law_may_tear(law) .and. pace%anywhere > tears*law%bulk_speed) call law_tear(law)
+        if (law_may_tear(law) .and. (pace%explodes .or. pace%anywhere > tears*law%bulk_speed)) then
+          call law_tear(law)
+        end if
         if (.not. is_hit(law, pace)) cycle
         if (law_may_shock(law)) call law_spread_shocks(law)
         if (law_may_cavitate(law)) call law_cavitate(law)

@@ -4,7 +4,8 @@
 module sgmp_pressure
   use sgmp_afterburn, only: afterburn_lanes
   use sgmp_burn, only: burn_fraction_lanes
-  use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none
+  use sgmp_constitutive, only: constitutive_t, eos_lanes, eos_linear, eos_none, &
+                               material_explosive
   use sgmp_eos, only: eos_energy_lanes, eos_energy_pressure, eos_sound_speed_lanes
   use sgmp_failure, only: carries_nothing, failure_bounds, failure_none, largest_principal_stress
   use sgmp_flaws, only: flaws_advance
@@ -194,9 +195,11 @@ contains
     real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
     real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
     real(dp) :: scale, inverse
+    logical :: told                                     !! that waves have no speed
     real(dp) :: bulk(lanes)                             !! its square, of the volume alone
     integer :: l
     inverse = 1.0_dp/law%density
+    told = law%kind /= material_explosive
     !$omp simd simdlen(8) private(scale)
     do l = 1, lanes
       scale = law%density/mass(l)
@@ -238,9 +241,10 @@ contains
     do l = 1, lanes
       work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
       mean(l) = -p(l)
-      ! Waves without a speed are left as they are, for the caller to see.
+      ! Waves without a speed are left as they are, for the caller to see. Not those in products of
+      ! explosives: some that are pressed after they are cold have lost a little too much energy.
       bulk(l) = merge(bulk(l) + (stiffness(l)*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
-      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp)
+      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp .and. told)
     end do
   end subroutine equation_of_state
 
