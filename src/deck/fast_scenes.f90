@@ -13,7 +13,7 @@ module sgmp_fast_scenes
   use sgmp_shapes, only: shapes_box
   implicit none
   private
-  public :: fast_scene_settle, liquid_thrown, speed_at_start
+  public :: fast_scene_settle, liquid_thrown, speed_at_start, velocity_at_start
 
   ! Speeds over that of sound in the bulk.
   real(dp), parameter :: tears = 0.2_dp        !! a ball on a plate tears from a third of it on
@@ -166,10 +166,18 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: b, n        !! body, axes
     real(dp) :: speed
-    speed = 0.0_dp
-    associate (start => scene%bodies(b)%velocity(:n))
-      if (all(start%is_constant)) speed = norm2(start%value)
-    end associate
+    speed = norm2(velocity_at_start(scene, b, n))
   end function speed_at_start
+
+  !> Velocity of a body at the start; 0 where it is not the same everywhere.
+  pure function velocity_at_start(scene, b, n) result(velocity)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b, n        !! body, axes
+    real(dp) :: velocity(3)
+    velocity = 0.0_dp
+    associate (start => scene%bodies(b)%velocity(:n))
+      if (all(start%is_constant)) velocity(:n) = start%value
+    end associate
+  end function velocity_at_start
 
 end module sgmp_fast_scenes

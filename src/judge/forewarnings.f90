@@ -13,6 +13,7 @@ module sgmp_forewarnings
   use sgmp_judge_collisions, only: projectile_narrow
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
+  use sgmp_meetings, only: extent_t, meetings_collide
   use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_near_parts, only: near_parts
@@ -31,12 +32,6 @@ module sgmp_forewarnings
   public :: forewarnings_find, gas_enclosed, shape_mass
 
   integer(i8), parameter :: unit = 2_i8**24  !! of volume, in a cell: whole numbers have one sum
-
-  !> Where a body is and how it moves.
-  type :: extent_t
-    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! of its particles (cells)
-    real(dp) :: velocity(3) = 0.0_dp                  !! of the whole (cells per time)
-  end type extent_t
 
 contains
 
@@ -465,7 +460,7 @@ contains
     end do
     do a = 1, size(scene%bodies)
       do b = a + 1, size(scene%bodies)
-        meet = collide(extents(a), extents(b), scene%time%end)
+        meet = meetings_collide(extents(a), extents(b), scene%time%end)
         grouped = scene%bodies(a)%leader > 0 .and. &
                   scene%bodies(a)%leader == scene%bodies(b)%leader
         names = "'"//trim(model%bodies(a)%name)//"' and '"//trim(model%bodies(b)%name)//"'"
@@ -525,30 +520,5 @@ contains
       if (body%rigid) extent%velocity = body%speed/h
     end associate
   end function extent_of
-
-  !> Whether boxes that keep their velocities come to overlap before the end (0: none).
-  pure function collide(a, b, end) result(yes)
-    type(extent_t), intent(in) :: a, b
-    real(dp), intent(in) :: end
-    logical :: yes
-    real(dp) :: from, to, speed, times(2)
-    integer :: d
-    from = 0.0_dp
-    to = huge(1.0_dp)
-    if (end > 0.0_dp) to = end
-    yes = any(abs(a%velocity - b%velocity) > 1.0e-9_dp*(abs(a%velocity) + abs(b%velocity)))
-    do d = 1, 3
-      if (a%upper(d) <= a%lower(d)) cycle  ! no such axis
-      speed = a%velocity(d) - b%velocity(d)
-      if (abs(speed) <= 0.0_dp) then
-        yes = yes .and. a%lower(d) < b%upper(d) .and. b%lower(d) < a%upper(d)
-      else
-        times = [(b%lower(d) - a%upper(d))/speed, (b%upper(d) - a%lower(d))/speed]
-        from = max(from, minval(times))
-        to = min(to, maxval(times))
-      end if
-    end do
-    yes = yes .and. from < to
-  end function collide
 
 end module sgmp_forewarnings

@@ -1249,10 +1249,42 @@ def layouts(report):
                     )
 
 
+# A block flies onto another one, and no card says what happens where they meet.
+STUCK = """
+parameter speed = 0.02
+dimension 2
+grid cell=1
+method sgmp
+time end=60
+material a elastic density=1 young=1 poisson=0
+body low block material=a lower=(0,0) upper=(20,10) ppc=2
+body high block material=a lower=(5,11) upper=(15,21) ppc=2
+velocity high y=-speed
+history steps=20
+"""
+
+
+def stuck(report):
+    """Solids that have met without contact are told, but where they are a group, have contact, have not met, or are
+    so fast that all flows."""
+    words = "have met and stick together"
+    coarse(report, "stuck", STUCK, words, 0.25)
+    for name, deck, settings in (
+        ("group", STUCK + "group both low,high\n", {}), ("touch", STUCK + "contact all\n", {}),
+        ("away", STUCK.replace("y=-speed", "y=speed"), {}), ("beside", STUCK.replace("(5,11)", "(31,11)").replace(
+            "(15,21)", "(41,21)"), {}), ("early", STUCK, {"speed": 0.001}),
+    ):
+        result = run(f"stuck_{name}", deck, **settings)
+        if report.finished(result, name):
+            report.check(not any(words in why for why in result["verdict_reasons"]),
+                         f"{name}: {result['verdict_reasons']}")
+
+
 def main():
     """All of them."""
     report = Report()
     criteria(report)
+    stuck(report)
     everywhere(report)
     failures(report)
     layouts(report)
