@@ -123,7 +123,6 @@ contains
   subroutine settle_method(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
     type(scene_t), intent(inout) :: scene
-    logical :: gas_free                            !! the deck leaves open what becomes of gas
     associate (method => scene%method)
       if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
       if (method%rotation_auto) then
@@ -136,22 +135,28 @@ contains
       if (method%drift_auto) then
         method%drift_remapped = method%normalised .and. combinations_choose(cards, 'drift')
       end if
-      if (method%volumes_auto) then
-        gas_free = combinations_choose(cards, 'kept')
-        if (gas_free .and. gas_may_part(scene) .and. combinations_parts(cards)) then
-          call features_split_gas(scene%features, scene%dimension, gas_sides(scene), &
-                                  gas_alone(scene))
-        end if
-        method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene) .or. &
-                                           gas_in_gas(scene) .or. gas_on_rigid(scene) .or. &
-                                           liquid_thrown(scene))
-      end if
+      if (method%volumes_auto) call settle_volumes(cards, scene)
       if (method%volumes_kept) then
         method%normalised = .true.
         method%normalised_auto = .false.
       end if
     end associate
   end subroutine settle_method
+
+  !> Whether volumes are kept, and particles of gas parted.
+  subroutine settle_volumes(cards, scene)
+    type(deck_card_t), intent(in) :: cards(:)
+    type(scene_t), intent(inout) :: scene
+    logical :: gas_free                            !! the deck leaves open what becomes of gas
+    gas_free = combinations_choose(cards, 'kept')
+    if (gas_free .and. gas_may_part(scene) .and. combinations_parts(cards)) then
+      call features_split_gas(scene%features, scene%dimension, gas_sides(scene), &
+                              gas_alone(scene))
+    end if
+    scene%method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene) .or. &
+                                       gas_in_gas(scene) .or. gas_on_rigid(scene) .or. &
+                                       liquid_thrown(scene))
+  end subroutine settle_volumes
 
   !> What else would go with the deck.
   function alternatives(cards) result(allows)

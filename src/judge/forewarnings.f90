@@ -13,7 +13,7 @@ module sgmp_forewarnings
   use sgmp_judge_collisions, only: projectile_narrow
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_meetings, only: extent_t, meetings_collide
+  use sgmp_meetings, only: extent_t, meetings_collide, meetings_extent
   use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_near_parts, only: near_parts
@@ -276,7 +276,7 @@ contains
       do b = 1, size(model%bodies)
         associate (body => model%bodies(b))
           if (body%rigid .or. .not. body%law%detonation_speed > 0.0_dp) cycle
-          extent = extent_of(model, b)
+          extent = meetings_extent(model, b)
           if (body%law%detonation_speed*scene%time%end <= &
               far*mesh%h*maxval(extent%upper - extent%lower)) cycle
           call warn(warnings, "products of the explosive '"//trim(body%name)//"' are followed "// &
@@ -456,7 +456,7 @@ contains
     logical :: meet, grouped                     !! grouped: one to others, as the deck says
     integer :: a, b
     do b = 1, size(scene%bodies)
-      extents(b) = extent_of(model, b)
+      extents(b) = meetings_extent(model, b)
     end do
     do a = 1, size(scene%bodies)
       do b = a + 1, size(scene%bodies)
@@ -487,38 +487,5 @@ contains
     logical :: yes
     yes = a%rigid .and. b%rigid .and. (meet .or. a%rigid_motion%free .or. b%rigid_motion%free)
   end function pass_through
-
-  !> Where a body is; all ranks must call it.
-  function extent_of(model, b) result(extent)
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b
-    type(extent_t) :: extent
-    real(dp) :: low(3), high(3)
-    integer :: c, d, n
-    n = model%mesh%ndim
-    low = huge(low)
-    high = -huge(high)
-    !$omp parallel do schedule(static) default(none) shared(model, b, n) private(d) &
-    !$omp& reduction(min: low) reduction(max: high)
-    do c = 1, model%bodies(b)%particles%chunks
-      associate (particles => model%bodies(b)%particles)
-        do d = 1, n
-          low(d) = min(low(d), minval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
-          high(d) = max(high(d), maxval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
-        end do
-      end associate
-    end do
-    !$omp end parallel do
-    associate (body => model%bodies(b), h => model%mesh%h, sums => model%totals%bodies(b))
-      do d = 1, n
-        extent%lower(d) = parallel_min(low(d))
-        extent%upper(d) = parallel_max(high(d))
-        extent%lower(d) = graded_place(model%mesh%axes(d), extent%lower(d)) - 0.5_dp*body%spacing/h
-        extent%upper(d) = graded_place(model%mesh%axes(d), extent%upper(d)) + 0.5_dp*body%spacing/h
-      end do
-      extent%velocity = sums%momentum/(h*max(sums%mass, tiny(1.0_dp)))
-      if (body%rigid) extent%velocity = body%speed/h
-    end associate
-  end function extent_of
 
 end module sgmp_forewarnings

@@ -2,30 +2,35 @@
 module sgmp_meetings
   use sgmp_constitutive, only: law_is_spherical
   use sgmp_fast_scenes, only: velocity_at_start
+  use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
+  use sgmp_parallel, only: parallel_max, parallel_min
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shapes_box
   implicit none
   private
-  public :: extent_t, judge_stuck, meetings_collide
+  public :: extent_t, judge_stuck, meetings_collide, meetings_extent
 
   real(dp), parameter :: fast = 0.25_dp        !! of c + |v|: what is faster flows, whether
                                                !! it sticks or slides
   real(dp), parameter :: least_blow = 0.1_dp   !! of the velocity that one has as the other sees it
+  real(dp), parameter :: apart = 0.3_dp        !! cells, at the start; that they have come closer
+  real(dp), parameter :: shared = 1.2_dp       !! cells: so near they stick at once
+  real(dp), parameter :: together = 1.5_dp     !! cells, in the end: matter sticks a cell early
   real(dp), parameter :: stuck_error = 0.25_dp
 
-  !> Where a body is and how it moves.
+  !> Where a body is and how it moves, in lengths or in cells.
   type :: extent_t
-    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! of its particles (length)
-    real(dp) :: velocity(3) = 0.0_dp                  !! of the whole (length per time)
+    real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp
+    real(dp) :: velocity(3) = 0.0_dp
   end type extent_t
 
 contains
 
   !> Solids that have met and share a velocity field, though the deck does not call them a group:
-  !! they neither slide nor part.
+  !! they neither slide nor part. All ranks must call it.
   subroutine judge_stuck(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -50,7 +55,6 @@ contains
     integer, intent(in) :: a, b
     logical :: yes
     type(extent_t) :: of(2)
-    real(dp) :: relative(3), lost(3), blow
     integer :: k, pair(2)
     pair = [a, b]
     yes = model%bodies(a)%field == model%bodies(b)%field .and. .not. &
@@ -66,6 +70,19 @@ contains
       of(k)%lower(model%mesh%ndim + 1:) = 0.0_dp
       of(k)%upper(model%mesh%ndim + 1:) = 0.0_dp
     end do
+    yes = have_hit(scene, model, pair, of)
+    if (.not. yes) yes = have_come(scene, model, pair, of)
+  end function stick
+
+  !> Whether bodies were on their way to each other, and one was slowed as the other sees it.
+  function have_hit(scene, model, pair, of) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: pair(2)
+    type(extent_t), intent(in) :: of(2)          !! at the start
+    logical :: yes
+    real(dp) :: relative(3), lost(3), blow
+    integer :: k
     relative = of(1)%velocity - of(2)%velocity
     yes = meetings_collide(of(1), of(2), scene%time%end) .and. &
           norm2(relative) < fast*model%findings%fastest
@@ -76,7 +93,68 @@ contains
       blow = max(blow, sum(lost*relative)*merge(-1.0_dp, 1.0_dp, k == 1))
     end do
     yes = yes .and. blow >= least_blow*sum(relative**2)
-  end function stick
+  end function have_hit
+
+  !> Whether forces have brought bodies together that began apart; all ranks must call it.
+  function have_come(scene, model, pair, of) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: pair(2)
+    type(extent_t), intent(in) :: of(2)          !! at the start
+    logical :: yes
+    type(extent_t) :: now(2)
+    real(dp) :: before, after                    !! gaps (cells)
+    integer :: k
+    yes = any(abs(scene%gravity) > 0.0_dp) .or. &
+          size(scene%bodyforces) + size(scene%loads) + size(scene%motions) > 0
+    before = largest_gap(of)/model%mesh%h
+    yes = yes .and. before > apart
+    if (.not. yes) return
+    now = [(meetings_extent(model, pair(k)), k=1, 2)]
+    after = largest_gap(now)
+    yes = after < together .and. (before < shared .or. after < before - apart)
+  end function have_come
+
+  !> Between two boxes, along the axis where it is largest; negative where they overlap.
+  pure function largest_gap(of) result(gap)
+    type(extent_t), intent(in) :: of(2)
+    real(dp) :: gap
+    gap = maxval(max(of(1)%lower - of(2)%upper, of(2)%lower - of(1)%upper), &
+                 mask=of(1)%upper > of(1)%lower)
+  end function largest_gap
+
+  !> Where the particles of a body are (cells); all ranks must call it.
+  function meetings_extent(model, b) result(extent)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    type(extent_t) :: extent
+    real(dp) :: low(3), high(3)
+    integer :: c, d, n
+    n = model%mesh%ndim
+    low = huge(low)
+    high = -huge(high)
+    !$omp parallel do schedule(static) default(none) shared(model, b, n) private(d) &
+    !$omp& reduction(min: low) reduction(max: high)
+    do c = 1, model%bodies(b)%particles%chunks
+      associate (particles => model%bodies(b)%particles)
+        do d = 1, n
+          low(d) = min(low(d), minval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
+          high(d) = max(high(d), maxval(particles%motion(:, d, c), mask=particles%id(:, c) > 0))
+        end do
+      end associate
+    end do
+    !$omp end parallel do
+    associate (body => model%bodies(b), h => model%mesh%h, sums => model%totals%bodies(b))
+      do d = 1, n
+        extent%lower(d) = parallel_min(low(d))
+        extent%upper(d) = parallel_max(high(d))
+        extent%lower(d) = graded_place(model%mesh%axes(d), extent%lower(d)) - 0.5_dp*body%spacing/h
+        extent%upper(d) = graded_place(model%mesh%axes(d), extent%upper(d)) + 0.5_dp*body%spacing/h
+      end do
+      extent%velocity = sums%momentum/(h*max(sums%mass, tiny(1.0_dp)))
+      if (body%rigid) extent%velocity = body%speed/h
+    end associate
+  end function meetings_extent
 
   !> Whether boxes that keep their velocities come to overlap before the end (0: none).
   pure function meetings_collide(a, b, end) result(yes)
