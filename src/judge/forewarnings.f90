@@ -10,7 +10,7 @@ module sgmp_forewarnings
   use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
   use sgmp_graded_axis, only: graded_place
-  use sgmp_judge_collisions, only: projectile_narrow
+  use sgmp_judge_collisions, only: projectile_narrow, projectile_wanted
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_meetings, only: extent_t, meetings_collide, meetings_extent
@@ -166,7 +166,8 @@ contains
       if (cells >= huge(cells)) cycle
       call warn(warnings, "projectile '"//trim(model%bodies(b)%name)//"' is "// &
                 real_text_about(cells)//' cells across: it will be slowed too much; with fewer '// &
-                'than 6 its velocity is worth nothing, with 12 and more it is fair')
+                'than 6 its velocity is worth nothing, with '// &
+                integer_text(nint(projectile_wanted(scene, model, b)))//' and more it is fair')
     end do
   end subroutine look_at_projectiles
 

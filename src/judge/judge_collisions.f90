@@ -11,11 +11,12 @@
 !! up to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
-  use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_is_springy, law_tears
+  use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_is_springy, law_liquid, &
+                               law_tears
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
-  use sgmp_fast_scenes, only: speed_at_start
+  use sgmp_fast_scenes, only: speed_at_start, velocity_at_start
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_free
@@ -23,12 +24,12 @@ module sgmp_judge_collisions
   use sgmp_near_walls, only: near_walls
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shape_block, shape_ring
+  use sgmp_shapes, only: shape_block, shape_ring, shapes_box
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
   implicit none
   private
-  public :: judge_collisions, judge_projectiles, projectile_narrow
+  public :: judge_collisions, judge_projectiles, projectile_narrow, projectile_wanted
 
   real(dp), parameter :: line_weight = 0.41_dp    !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: row_power = 1.3_dp       !! of meetings in a row: 2 and 3 bars after one
@@ -58,6 +59,9 @@ module sgmp_judge_collisions
   ! Projectiles that make their way through matter that fails: the way is wider than they are by a
   ! part of a cell on each side, so they are slowed too much (doc/verdict.md).
   real(dp), parameter :: slim = 6.0_dp, fair = 12.0_dp   !! cells across
+  real(dp), parameter :: fair_liquid = 36.0_dp  !! a ball in water has 1.7 and 1.2 times its drag with
+                                                !! 10 and 20 cells
+  real(dp), parameter :: covers = 0.5_dp        !! width, of that of a liquid
   real(dp), parameter :: way_weight = 3.6_dp      !! error of what it has left, over a cell by these
   real(dp), parameter :: least_slowing = 0.05_dp  !! of their velocity
   real(dp), parameter :: ordnance(2) = [0.005_dp, 1.0_dp/3.0_dp]
@@ -282,22 +286,24 @@ contains
       now = norm2(model%totals%bodies(b)%momentum(:model%mesh%ndim))/model%totals%bodies(b)%mass
       if (now > (1.0_dp - least_slowing)*speed_at_start(scene, b, model%mesh%ndim)) cycle
       if (cells < slim*(1.0_dp - 1.0e-9_dp)) then
-        call opinion%object(narrow_text(model, b, cells))
+        call opinion%object(narrow_text(scene, model, b, cells))
       else
-        call opinion%expect(way_weight/cells, narrow_text(model, b, cells))
+        call opinion%expect(way_weight/cells, narrow_text(scene, model, b, cells))
       end if
     end do
   end subroutine judge_projectiles
 
   !> What is wrong with few cells across a projectile.
-  function narrow_text(model, b, cells) result(text)
+  function narrow_text(scene, model, b, cells) result(text)
+    type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     real(dp), intent(in) :: cells
     character(:), allocatable :: text
     text = "projectile '"//trim(model%bodies(b)%name)//"' is "//real_text_about(cells)// &
            ' cells across: its way through what it hits is too wide, and it is slowed '// &
-           'too much; use smaller cells, 12 across at least'
+           'too much; use smaller cells, '//integer_text(nint(projectile_wanted(scene, model, b)))// &
+           ' across at least'
   end function narrow_text
 
   !> Cells across a body that is shot at one that rests and can fail, where they are too few; huge
@@ -310,17 +316,31 @@ contains
     cells = huge(cells)
     if (model%mesh%ndim == 1 .or. .not. is_shot(scene, model, b)) return
     cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
-    if (cells >= fair*(1.0_dp - 1.0e-9_dp)) cells = huge(cells)
+    if (cells >= projectile_wanted(scene, model, b)*(1.0_dp - 1.0e-9_dp)) cells = huge(cells)
   end function projectile_narrow
 
-  !> Whether a body is shot at one that rests and can fail.
-  pure logical function is_shot(scene, model, b) result(yes)
+  !> Cells across a projectile from which on it is slowed as it should be: a liquid, which nothing
+  !! but its inertia opens, wants more.
+  pure function projectile_wanted(scene, model, b) result(cells)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
+    real(dp) :: cells
+    cells = merge(fair_liquid, fair, is_shot(scene, model, b, liquid=.true.))
+  end function projectile_wanted
+
+  !> Whether a body is shot at one that rests and can fail, or at a liquid alone.
+  pure logical function is_shot(scene, model, b, liquid) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    logical, intent(in), optional :: liquid
     real(dp) :: speed
-    integer :: p, n
+    logical :: wet, all_kinds
+    integer :: p, n, t
     n = model%mesh%ndim
+    all_kinds = .true.
+    if (present(liquid)) all_kinds = .not. liquid
     yes = .false.
     if (law_is_spherical(model%bodies(b)%law) .or. model%totals%bodies(b)%mass <= 0.0_dp) return
     speed = speed_at_start(scene, b, n)
@@ -329,10 +349,33 @@ contains
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p)%body)
         if (any(pair > size(scene%bodies)) .or. .not. any(pair == b)) cycle
-        yes = yes .or. is_target(scene, model, sum(pair) - b, n)
+        t = sum(pair) - b
+        wet = is_pool(scene, model, b, t)
+        yes = yes .or. wet .or. (all_kinds .and. is_target(scene, model, t, n))
       end associate
     end do
   end function is_shot
+
+  !> Whether a body is a liquid at rest that another one, shot at it, does not cover.
+  pure logical function is_pool(scene, model, b, t) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b, t          !! what is shot; the liquid
+    real(dp) :: velocity(3), low(3, 2), high(3, 2)
+    integer :: d
+    yes = law_liquid(model%bodies(t)%law) .and. &
+          speed_at_start(scene, t, model%mesh%ndim) <= 0.0_dp .and. &
+          allocated(scene%bodies(b)%shapes) .and. allocated(scene%bodies(t)%shapes)
+    if (.not. yes) return
+    velocity = velocity_at_start(scene, b, model%mesh%ndim)
+    call shapes_box(scene%bodies(b)%shapes, low(:, 1), high(:, 1))
+    call shapes_box(scene%bodies(t)%shapes, low(:, 2), high(:, 2))
+    yes = .false.
+    do d = 1, model%mesh%ndim
+      if (abs(velocity(d)) > 0.5_dp*norm2(velocity)) cycle
+      yes = yes .or. high(d, 1) - low(d, 1) < covers*(high(d, 2) - low(d, 2))
+    end do
+  end function is_pool
 
   !> Whether a body rests at the start and can fail.
   pure logical function is_target(scene, model, b, n) result(yes)

@@ -651,6 +651,37 @@ def shots(report):
             report.check("warning: projectile" not in result.text, f"shot_{name}: {result.text}")
 
 
+# A disk of n cells across, or a bar as wide as the water, that is shot into water.
+WET = """
+parameter n = 10
+units mm g ms
+dimension 2
+grid cell=10/n y=open x=-30:30
+wall x-=slip x+=slip
+method sgmp
+time end=0.004
+material steel elastic density=7.83e-3 young=210e3 poisson=0.3
+material water fluid density=1e-3
+eos water gruneisen c0=1480 s=1.75 gamma0=0.28
+body disk sphere material=steel centre=(0,5.1) radius=5
+body water block material=water lower=(-30,-20) upper=(30,0)
+velocity disk y=-800
+contact all
+"""
+
+
+def splashes_in(report):
+    """What is shot into a liquid wants 36 cells; a bar that covers it goes nowhere through it."""
+    for cells in (10, 20):
+        coarse(report, f"wet_{cells}", WET, "36 across at least", 3.6/cells - 1e-9, n=cells)
+    bar = WET.replace("sphere material=steel centre=(0,5.1) radius=5", "block material=steel lower=(-30,0.1) upper=(30,5)")
+    for name, deck, settings in (("wet_wide", WET, {"n": 36}), ("wet_bar", bar, {})):
+        result = run(name, deck, **settings)
+        report.check(not any("projectile" in why for why in result["verdict_reasons"]),
+                     f"{name}: {result['verdict_reasons']}")
+        report.check("warning: projectile" not in result.text, f"{name}: {result.text}")
+
+
 def rebounds(report):
     """Elastic rings and disks that bounce off each other: how much they lose (verification/surfaces/bounce.json)."""
     sparse = ROUND.replace("inner=0.7", "inner=0.7 ppc=2")
@@ -1291,6 +1322,7 @@ def main():
     report = Report()
     criteria(report)
     stuck(report)
+    splashes_in(report)
     everywhere(report)
     failures(report)
     layouts(report)
