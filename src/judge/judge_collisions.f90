@@ -59,8 +59,8 @@ module sgmp_judge_collisions
   ! Projectiles that make their way through matter that fails: the way is wider than they are by a
   ! part of a cell on each side, so they are slowed too much (doc/verdict.md).
   real(dp), parameter :: slim = 6.0_dp, fair = 12.0_dp   !! cells across
-  real(dp), parameter :: fair_liquid = 36.0_dp  !! a ball in water has 1.7 and 1.2 times its drag with
-                                                !! 10 and 20 cells
+  real(dp), parameter :: fair_liquid = 36.0_dp
+    !! a ball in water has 1.6 and 1.1 times its drag with 10 and 20 cells
   real(dp), parameter :: covers = 0.5_dp        !! width, of that of a liquid
   real(dp), parameter :: way_weight = 3.6_dp      !! error of what it has left, over a cell by these
   real(dp), parameter :: least_slowing = 0.05_dp  !! of their velocity
@@ -302,8 +302,8 @@ contains
     character(:), allocatable :: text
     text = "projectile '"//trim(model%bodies(b)%name)//"' is "//real_text_about(cells)// &
            ' cells across: its way through what it hits is too wide, and it is slowed '// &
-           'too much; use smaller cells, '//integer_text(nint(projectile_wanted(scene, model, b)))// &
-           ' across at least'
+           'too much; use smaller cells, '// &
+           integer_text(nint(projectile_wanted(scene, model, b)))//' across at least'
   end function narrow_text
 
   !> Cells across a body that is shot at one that rests and can fail, where they are too few; huge

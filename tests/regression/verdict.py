@@ -674,7 +674,9 @@ def splashes_in(report):
     """What is shot into a liquid wants 36 cells; a bar that covers it goes nowhere through it."""
     for cells in (10, 20):
         coarse(report, f"wet_{cells}", WET, "36 across at least", 3.6/cells - 1e-9, n=cells)
-    bar = WET.replace("sphere material=steel centre=(0,5.1) radius=5", "block material=steel lower=(-30,0.1) upper=(30,5)")
+    bar = WET.replace(
+        "sphere material=steel centre=(0,5.1) radius=5", "block material=steel lower=(-30,0.1) upper=(30,5)"
+    )
     for name, deck, settings in (("wet_wide", WET, {"n": 36}), ("wet_bar", bar, {})):
         result = run(name, deck, **settings)
         report.check(not any("projectile" in why for why in result["verdict_reasons"]),
@@ -1300,15 +1302,16 @@ def stuck(report):
     so fast that all flows."""
     words = "have met and stick together"
     coarse(report, "stuck", STUCK, words, 0.25)
-    falls = STUCK.replace("velocity high y=-speed", "gravity (0,-0.002)\nwall y-=slip").replace("grid cell=1", "grid cell=1 y=0:open").replace(
-        "(5,11)", "(5,13)").replace("(15,21)", "(15,23)")
+    falls = STUCK.replace("velocity high y=-speed", "gravity (0,-0.002)\nwall y-=slip").replace(
+        "grid cell=1", "grid cell=1 y=0:open").replace("(5,11)", "(5,13)").replace("(15,21)", "(15,23)")
     near = falls.replace("(5,13)", "(5,11)").replace("(15,23)", "(15,21)")
     coarse(report, "stuck_fallen", falls, words, 0.25)
     coarse(report, "stuck_near", near, words, 0.25)
     for name, deck, settings in (
         ("group", STUCK + "group both low,high\n", {}), ("touch", STUCK + "contact all\n", {}),
         ("away", STUCK.replace("y=-speed", "y=speed"), {}), ("beside", STUCK.replace("(5,11)", "(31,11)").replace(
-            "(15,21)", "(41,21)"), {}), ("early", STUCK, {"speed": 0.001}), ("fallen_group", falls + "group both low,high\n", {}),
+            "(15,21)", "(41,21)"), {}), ("early", STUCK, {"speed": 0.001}),
+        ("fallen_group", falls + "group both low,high\n", {}),
         ("fallen_early", falls.replace("end=60", "end=5"), {}),
     ):
         result = run(f"stuck_{name}", deck, **settings)
