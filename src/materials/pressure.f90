@@ -195,11 +195,12 @@ contains
     real(dp) :: v_old(lanes), v(lanes), p_old(lanes), p(lanes), other(lanes)
     real(dp) :: a0(lanes), b0(lanes), da(lanes), db(lanes), ones(lanes)
     real(dp) :: scale, inverse
-    logical :: told                                     !! that waves have no speed
+    real(dp) :: cold                                    !! energy below which there are no waves
     real(dp) :: bulk(lanes)                             !! its square, of the volume alone
     integer :: l
     inverse = 1.0_dp/law%density
-    told = law%kind /= material_explosive
+    cold = huge(1.0_dp)
+    if (law%kind == material_explosive) cold = -law%history%first_energy
     !$omp simd simdlen(8) private(scale)
     do l = 1, lanes
       scale = law%density/mass(l)
@@ -241,10 +242,10 @@ contains
     do l = 1, lanes
       work(l) = -0.5_dp*(p_old(l) + p(l))*(v(l) - v_old(l))/v_old(l)
       mean(l) = -p(l)
-      ! Waves without a speed are left as they are, for the caller to see. Not those in products of
-      ! explosives: some that are pressed after they are cold have lost a little too much energy.
+      ! Waves without a speed are left as they are, for the caller to see; but in products of
+      ! explosives that have lost a little more energy than they had.
       bulk(l) = merge(bulk(l) + (stiffness(l)*inverse)*v(l), 0.0_dp, burnt(l) > 0.0_dp)
-      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp .and. told)
+      speed2(l) = merge(bulk(l), speed2(l), bulk(l) < 0.0_dp .and. kept(l, 1) < cold)
     end do
   end subroutine equation_of_state
 
