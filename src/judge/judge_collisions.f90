@@ -60,7 +60,7 @@ module sgmp_judge_collisions
   ! part of a cell on each side, so they are slowed too much (doc/verdict.md).
   real(dp), parameter :: slim = 6.0_dp, fair = 12.0_dp   !! cells across
   real(dp), parameter :: fair_liquid = 36.0_dp
-    !! a ball in water has 1.6 and 1.1 times its drag with 10 and 20 cells
+    !! a ball in water has a coefficient of drag of 0.60 and 0.42 with 10 and 20 cells
   real(dp), parameter :: covers = 0.5_dp        !! width, of that of a liquid
   real(dp), parameter :: way_weight = 3.6_dp      !! error of what it has left, over a cell by these
   real(dp), parameter :: least_slowing = 0.05_dp  !! of their velocity
