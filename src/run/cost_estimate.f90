@@ -5,7 +5,7 @@ module sgmp_cost_estimate
   use sgmp_air_blast, only: air_blast_wave, blast_arrival, blast_duration, blast_incident, &
                             blast_incident_impulse, blast_reflected, blast_reflected_impulse
   use sgmp_body, only: body_group, body_particle, body_t
-  use sgmp_constitutive, only: law_is_spherical, material_names
+  use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_liquid, material_names
   use sgmp_contact, only: contact_between
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
@@ -165,6 +165,7 @@ contains
       if (body%rigid_motion%free) call put_free(body%rigid_motion)
       call put('  stored    position, velocity, mass, volume and id (always)')
       call put_slots(body%law%slots)
+      call put_defaults(body%law)
       call put_loads(body)
     end associate
   end subroutine put_body
@@ -221,6 +222,18 @@ contains
       end if
     end do
   end subroutine put_slots
+
+  !> What a fast scene gives a material whose cards do not say it (sgmp_fast_scenes).
+  subroutine put_defaults(law)
+    type(constitutive_t), intent(in) :: law
+    if (law%viscous .and. .not. law%viscosity%given) then
+      call put('  default   bulk viscosity quadratic='//real_text(law%viscosity%quadratic)// &
+               ' linear='//real_text(law%viscosity%linear)//' (fast scene, no card viscosity)')
+    end if
+    if (law%fails .and. .not. law%failure%given .and. law_liquid(law)) then
+      call put('  default   no tension (fast scene, no card failure)')
+    end if
+  end subroutine put_defaults
 
   !> What is stored for the loads of a body.
   subroutine put_loads(body)

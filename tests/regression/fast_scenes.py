@@ -144,7 +144,17 @@ def flash():
     report.check(summary["end_state"]["viscous_share"] > 0, "flash: no viscosity")
 
 
+def told():
+    """--check says what the deck has not, and nothing of it where the deck has."""
+    for name, text, count in (("check", BIRD, 2), ("check_given", BIRD + "viscosity all\nfailure bird pmin=0\n", 0)):
+        deck = scratch/f"{name}.inp"
+        deck.write_text(text, encoding="utf-8")
+        done = subprocess.run([sgmp, deck, "--check"], capture_output=True, text=True, check=False)
+        report.check(done.stdout.count("  default   ") == count, f"{name}: {done.stdout}{done.stderr}")
+
+
 bird()
+told()
 plates()
 words()
 flash()
