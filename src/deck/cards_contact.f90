@@ -23,16 +23,17 @@ contains
   subroutine register_contact(registry)
     type(registry_t), intent(inout) :: registry
     call registry%card('group', 'Bodies that share a velocity field: fluids and explosives '// &
-                       'mix, others stick together. A card contact names them by the name of '// &
-                       'the group.', 'group gas charge,air', read_group, check_group, &
+                       'mix, others are bonded. A card contact names them by the name of the '// &
+                       'group.', 'group gas charge,air', read_group, check_group, &
                        turn=read_third)
     call registry%key('name', kind_name_word, 'name of the group, of no body', slot=1, &
                       required=.true.)
     call registry%key('bodies', kind_list, 'its bodies, two or more', slot=2, required=.true.)
-    call registry%card('contact', 'Lets bodies touch, slide and separate; without it they '// &
-                       'stick together where they meet, and rigid ones, which it does not '// &
-                       'name, touch all others without friction. Names two bodies or groups, '// &
-                       'one (with all others) or all; the card that names more counts.', &
+    call registry%card('contact', 'Lets bodies touch, slide and separate. Without it solids '// &
+                       'touch without friction, but those that share a surface at the start '// &
+                       'and move alike are bonded (doc/contact.md, Without a card). Names two '// &
+                       'bodies or groups, one (with all others) or all; the card that names '// &
+                       'more counts.', &
                        'contact ball plate friction=0.4', read_contact, check_contact)
     call registry%key('first', kind_name_word, 'a body, a group or all', default='all', slot=1)
     call registry%key('second', kind_name_word, 'another body or group; default: all others', &
@@ -140,10 +141,9 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     type(string_t), allocatable :: names(:)
-    integer :: number, i
-    logical :: flows(2)
+    integer :: kinds(2), number, i
     names = word_items(card%word('bodies'))
-    flows = .false.
+    kinds = 0
     associate (scene => draft%scene, errors => draft%errors)
       do i = 1, size(names)
         number = word_position(names(i)%text, scene%bodies%name)
@@ -155,10 +155,12 @@ contains
         end if
         if (scene%bodies(number)%material == 0) return
         associate (law => scene%materials(scene%bodies(number)%material)%law)
-          flows(merge(1, 2, law_is_spherical(law))) = .true.
+          associate (kind => kinds(merge(1, 2, law_is_spherical(law))))
+            kind = kind + 1
+          end associate
         end associate
       end do
-      if (all(flows)) then
+      if (all(kinds > 0)) then
         call errors%warn(card%place('bodies'), "group '"//card%word('name')//"' is of gases "// &
                          'or fluids and of solids: they stick together', &
                          'put what flows and what does not in different groups')
@@ -170,8 +172,9 @@ contains
         end if
         return
       end if
+      if (kinds(2) > 1) return
       call errors%warn(card%position, "group '"//card%word('name')//"' does nothing: without "// &
-                       'a card contact all bodies share one velocity field', &
+                       'contact gases and liquids share the velocity field of all', &
                        'add a card contact, or remove this one')
     end associate
   end subroutine check_group

@@ -7,6 +7,7 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
+  use sgmp_default_contact, only: default_contact_settle
   use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, &
                                gas_on_rigid, gas_sides
   use sgmp_fast_scenes, only: fast_scene_settle, liquid_thrown
@@ -79,6 +80,7 @@ contains
     call add_default_cards(registry, deck, parameters, cards, draft%errors)
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
+    call default_contact_settle(draft%scene)
     call settle_method(cards, draft%scene)
     call fast_scene_settle(draft%scene)
     call particle_number_settle(draft%scene)

@@ -13,13 +13,13 @@ module sgmp_fast_scenes
   use sgmp_shapes, only: shapes_box
   implicit none
   private
-  public :: fast_scene_settle, liquid_thrown, speed_at_start, velocity_at_start
+  public :: fast_scene_settle, largest_speed_of, liquid_thrown, speed_at_start, velocity_at_start
 
   ! Speeds over that of sound in the bulk.
   real(dp), parameter :: tears = 0.2_dp        !! a ball on a plate tears from a third of it on
   real(dp), parameter :: shocks = 0.1_dp       !! of solids and gases: stress behind a front is off
                                                !! by a fifth and more
-  real(dp), parameter :: hammers = 0.02_dp     !! of a liquid, by bodies that fly as a whole
+  real(dp), parameter :: hammers = 0.02_dp     !! of liquids, soils, by bodies that fly as a whole
 
   !> How fast a scene begins.
   type :: pace_t
@@ -69,6 +69,15 @@ contains
     end do
   end function liquid_thrown
 
+  !> Largest speed of any body at the start.
+  function largest_speed_of(scene) result(speed)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: speed
+    type(pace_t) :: pace
+    pace = pace_of(scene)
+    speed = pace%anywhere
+  end function largest_speed_of
+
   !> How fast a scene begins.
   function pace_of(scene) result(pace)
     type(scene_t), intent(in) :: scene
@@ -93,7 +102,9 @@ contains
     type(pace_t), intent(in) :: pace
     logical :: yes
     yes = pace%explodes .or. pace%anywhere > shocks*law%bulk_speed
-    if (law_liquid(law)) yes = yes .or. pace%whole > hammers*law%bulk_speed
+    if (law_liquid(law) .or. .not. (law_bends(law) .or. law_is_spherical(law))) then
+      yes = yes .or. pace%whole > hammers*law%bulk_speed
+    end if
     if (.not. law_bends(law)) then
       yes = yes .or. pace%pressure > shocks*law%density*law%bulk_speed**2
     end if

@@ -170,6 +170,7 @@ module sgmp_scene
     real(dp) :: depth = huge(1.0_dp)              !! distance of nodes from the surface (cells)
     integer :: normal = normal_separating         !! one of normal_*
     logical :: self = .false.                    !! its bodies touch themselves, too
+    logical :: unasked = .false.                 !! the deck has no such card
   end type contact_card_t
 
   !> Body force per unit mass on one body or all, functions of x,y,z (current), x0,y0,z0 (initial),
@@ -311,6 +312,7 @@ module sgmp_scene
     type(load_card_t), allocatable :: loads(:)
     type(motion_card_t), allocatable :: motions(:)
     type(contact_card_t), allocatable :: contacts(:)
+    integer :: many_groups = 0                    !! so many that they do not touch without a card
     type(damping_card_t) :: damping
     type(detonation_card_t), allocatable :: detonations(:)
     type(output_card_t) :: output

@@ -428,11 +428,12 @@ contains
     type(native_deck_t), intent(inout) :: native
     type(import_notes_t), intent(inout) :: notes
     character(7), parameter :: normals(0:2) = ['average', 'first  ', 'second ']
-    integer :: i, k, pair(2), component(size(pieces))
+    integer :: i, component(size(pieces))
     component = [(deck%parts(pieces(i)%first)%component, i=1, size(pieces))]
     if (all(component == component(1))) then
       if (mpm3d_given(deck, 'cont')) call notes%add( &
         note_honoured, mpm3d_place(deck, 'cont'), 'cont', 'nothing to do: there is one component')
+      call write_group(deck, pieces, 'all_bodies', spread(.true., 1, size(pieces)), native)
       return
     end if
     i = findloc(component == component(1), .false., 1)
@@ -440,6 +441,7 @@ contains
       call notes%add(note_honoured, deck%parts(pieces(i)%first)%place, 'particle', 'without '// &
                      'cont all components share one field: their bodies stick together where '// &
                      'they meet, as in MPM3D')
+      call write_group(deck, pieces, 'all_bodies', spread(.true., 1, size(pieces)), native)
       return
     end if
     if (.not. deck%contact) then
@@ -456,16 +458,85 @@ contains
                    'node'//trim(merge(', and only components 1 and 2', repeat(' ', 29), &
                               any(component > 2))))
     call native%section('contact')
+    call write_pairs(deck, pieces, component, ' friction='//real_text_tidy(deck%friction)// &
+                     ' normal='//trim(normals(deck%normal)), native)
+  end subroutine write_contact
+
+  !> A card for each pair of components, and a group for each that is of several bodies.
+  subroutine write_pairs(deck, pieces, component, keys, native)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    integer, intent(in) :: component(:)          !! of the pieces
+    character(*), intent(in) :: keys             !! of all cards `contact`
+    type(native_deck_t), intent(inout) :: native
+    integer :: i, k, pair(2)
+    logical :: leads(size(pieces))               !! the first of its component
+    leads = [(findloc(component, component(i), 1) == i, i=1, size(pieces))]
+    do i = 1, size(pieces)
+      if (leads(i)) call write_group(deck, pieces, group_name(component(i)), &
+                                     component == component(i), native)
+    end do
     do i = 1, size(pieces)
       do k = i + 1, size(pieces)
         if (component(i) == component(k)) cycle
+        if (is_grouped(deck, pieces, component == component(i)) .and. .not. leads(i)) cycle
+        if (is_grouped(deck, pieces, component == component(k)) .and. .not. leads(k)) cycle
         pair = merge([i, k], [k, i], component(i) < component(k))
-        call native%add('contact '//pieces(pair(1))%name//' '//pieces(pair(2))%name// &
-                        ' friction='//real_text_tidy(deck%friction)//' normal='// &
-                        trim(normals(deck%normal)))
+        call native%add('contact '//side(pair(1))//' '//side(pair(2))//keys)
       end do
     end do
-  end subroutine write_contact
+  contains
+
+    function side(piece) result(name)
+      integer, intent(in) :: piece
+      character(:), allocatable :: name
+      name = pieces(piece)%name
+      if (is_grouped(deck, pieces, component == component(piece))) then
+        name = group_name(component(piece))
+      end if
+    end function side
+
+  end subroutine write_pairs
+
+  pure function group_name(component) result(name)
+    integer, intent(in) :: component
+    character(:), allocatable :: name
+    name = 'component_'//integer_text(component)
+  end function group_name
+
+  !> Whether pieces that share a field in MPM3D need a group to do so: several, not all of which
+  !! flow.
+  pure function is_grouped(deck, pieces, together) result(yes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    logical, intent(in) :: together(:)           !! which pieces
+    logical :: yes
+    integer :: i
+    yes = .false.
+    if (count(together) < 2) return
+    do i = 1, size(pieces)
+      if (.not. together(i) .or. deck%parts(pieces(i)%first)%material == 0) cycle
+      associate (kind => deck%materials(deck%parts(pieces(i)%first)%material)%kind)
+        yes = yes .or. .not. any(kind == [character(4) :: 'hiex', 'null'])
+      end associate
+    end do
+  end function is_grouped
+
+  subroutine write_group(deck, pieces, name, together, native)
+    type(mpm3d_deck_t), intent(in) :: deck
+    type(piece_t), intent(in) :: pieces(:)
+    character(*), intent(in) :: name
+    logical, intent(in) :: together(:)           !! which pieces
+    type(native_deck_t), intent(inout) :: native
+    character(:), allocatable :: names
+    integer :: i
+    if (.not. is_grouped(deck, pieces, together)) return
+    names = ''
+    do i = 1, size(pieces)
+      if (together(i)) names = names//','//pieces(i)%name
+    end do
+    call native%add('group '//name//' '//names(2:))
+  end subroutine write_group
 
   subroutine write_detonations(deck, space, native, notes)
     type(mpm3d_deck_t), intent(in) :: deck

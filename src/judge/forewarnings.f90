@@ -48,6 +48,7 @@ contains
     call look_at_masses(scene, model, warnings)
     call look_at_projectiles(scene, model, warnings)
     call look_for_strangers(model, warnings)
+    call look_for_bonds(scene, model, warnings)
     call look_for_glue(scene, model, warnings)
     call look_for_closed_gas(model, warnings)
     call look_at_features(model, warnings)
@@ -204,6 +205,36 @@ contains
               "' and '"//trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
               ' such in all): they pass through each other; `contact all` makes every pair touch')
   end subroutine look_for_strangers
+
+  !> Solids that are bonded for want of a card: the deck may mean two that can part.
+  subroutine look_for_bonds(scene, model, warnings)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: a, b, found, first(2)
+    found = 0
+    do a = 1, size(scene%bodies)
+      do b = a + 1, size(scene%bodies)
+        if (scene%bodies(a)%leader == 0 .or. scene%bodies(a)%leader /= scene%bodies(b)%leader) cycle
+        if (scene%bodies(a)%group /= '' .and. scene%bodies(a)%group == scene%bodies(b)%group) cycle
+        found = found + 1
+        if (found == 1) first = [a, b]
+      end do
+    end do
+    if (found == 0) return
+    call warn(warnings, "'"//trim(model%bodies(first(1))%name)//"' and '"// &
+              trim(model%bodies(first(2))%name)//"' share a surface at the start and are "// &
+              'bonded'//more(found - 1)//': contact '// &
+              trim(model%bodies(first(1))%name)//' '//trim(model%bodies(first(2))%name)// &
+              ' lets them slide and part, a card group says that they are one')
+  end subroutine look_for_bonds
+
+  pure function more(pairs) result(text)
+    integer, intent(in) :: pairs
+    character(:), allocatable :: text
+    text = ''
+    if (pairs > 0) text = ' ('//integer_text(pairs + 1)//' such in all)'
+  end function more
 
   !> Gas or fluid that sticks to a solid, where cards `contact` show that this may not be meant.
   subroutine look_for_glue(scene, model, warnings)

@@ -32,7 +32,7 @@ contains
     integer :: f
     if (any(model%bodies%rigid)) return            ! what drives gas drives its layer, too
     do f = 1, size(model%fields)
-      if (.not. moves(model, f)) cycle
+      if (.not. moves(model, f) .or. is_driven(model, f)) cycle
       call node_motion(model, f, square, change)
       if (.not. square > 0.0_dp) cycle
       part = sqrt(change/square)
@@ -44,6 +44,14 @@ contains
       return
     end do
   end subroutine judge_fronts
+
+  !> Whether a gas is one body beside others: these drive it, not a blast.
+  pure function is_driven(model, f) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: f
+    logical :: yes
+    yes = count(model%bodies%field == f) == 1 .and. any(model%bodies%field /= f)
+  end function is_driven
 
   !> Whether a field is that of gases alone, and some of their energy is motion.
   pure function moves(model, f) result(yes)

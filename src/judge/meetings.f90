@@ -9,6 +9,7 @@ module sgmp_meetings
   use sgmp_parallel, only: parallel_max, parallel_min
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shapes_box
+  use sgmp_text, only: integer_text
   implicit none
   private
   public :: extent_t, judge_stuck, meetings_collide, meetings_extent
@@ -16,9 +17,6 @@ module sgmp_meetings
   real(dp), parameter :: fast = 0.25_dp        !! of c + |v|: what is faster flows, whether
                                                !! it sticks or slides
   real(dp), parameter :: least_blow = 0.1_dp   !! of the velocity that one has as the other sees it
-  real(dp), parameter :: apart = 0.3_dp        !! cells, at the start; that they have come closer
-  real(dp), parameter :: shared = 1.2_dp       !! cells: so near they stick at once
-  real(dp), parameter :: together = 1.5_dp     !! cells, in the end: matter sticks a cell early
   real(dp), parameter :: stuck_error = 0.25_dp
 
   !> Where a body is and how it moves, in lengths or in cells.
@@ -30,12 +28,19 @@ module sgmp_meetings
 contains
 
   !> Solids that have met and share a velocity field, though the deck does not call them a group:
-  !! they neither slide nor part. All ranks must call it.
+  !! they neither slide nor part. These are too many, or too fast (sgmp_default_contact).
   subroutine judge_stuck(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer :: a, b
+    if (scene%many_groups > 0) then
+      call opinion%expect(stuck_error, 'no card contact is for '// &
+                          integer_text(scene%many_groups)//' bodies, which stick together '// &
+                          'where they meet: more than 64 touch only if it is asked for; write '// &
+                          'contact all, or make them groups')
+      return
+    end if
     do a = 1, size(scene%bodies)
       do b = a + 1, size(scene%bodies)
         if (.not. stick(scene, model, a, b)) cycle
@@ -71,7 +76,6 @@ contains
       of(k)%upper(model%mesh%ndim + 1:) = 0.0_dp
     end do
     yes = have_hit(scene, model, pair, of)
-    if (.not. yes) yes = have_come(scene, model, pair, of)
   end function stick
 
   !> Whether bodies were on their way to each other, and one was slowed as the other sees it.
@@ -94,34 +98,6 @@ contains
     end do
     yes = yes .and. blow >= least_blow*sum(relative**2)
   end function have_hit
-
-  !> Whether forces have brought bodies together that began apart; all ranks must call it.
-  function have_come(scene, model, pair, of) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: pair(2)
-    type(extent_t), intent(in) :: of(2)          !! at the start
-    logical :: yes
-    type(extent_t) :: now(2)
-    real(dp) :: before, after                    !! gaps (cells)
-    integer :: k
-    yes = any(abs(scene%gravity) > 0.0_dp) .or. &
-          size(scene%bodyforces) + size(scene%loads) + size(scene%motions) > 0
-    before = largest_gap(of)/model%mesh%h
-    yes = yes .and. before > apart
-    if (.not. yes) return
-    now = [(meetings_extent(model, pair(k)), k=1, 2)]
-    after = largest_gap(now)
-    yes = after < together .and. (before < shared .or. after < before - apart)
-  end function have_come
-
-  !> Between two boxes, along the axis where it is largest; negative where they overlap.
-  pure function largest_gap(of) result(gap)
-    type(extent_t), intent(in) :: of(2)
-    real(dp) :: gap
-    gap = maxval(max(of(1)%lower - of(2)%upper, of(2)%lower - of(1)%upper), &
-                 mask=of(1)%upper > of(1)%lower)
-  end function largest_gap
 
   !> Where the particles of a body are (cells); all ranks must call it.
   function meetings_extent(model, b) result(extent)

@@ -58,7 +58,7 @@ module sgmp_constitutive
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_strength, only: scatter_t, yield_scatter_keys, yield_scatter_read
-  use sgmp_viscosity, only: viscosity_read, viscosity_t, viscosity_of_shocks
+  use sgmp_viscosity, only: viscosity_read, viscosity_t, viscosity_of_shocks, viscosity_of_soils
   use sgmp_voigt, only: stress_components
   implicit none
   private
@@ -75,7 +75,7 @@ module sgmp_constitutive
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
-  public :: law_may_tear, law_tear, law_tears
+  public :: law_may_tear, law_sound, law_tear, law_tears
   public :: law_cavitate, law_first_pressure, law_may_cavitate, law_may_shock, law_spread_shocks
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -207,9 +207,9 @@ contains
   pure integer function law_pressure(kind) result(pressure)
     integer, intent(in) :: kind  !! one of material_*
     select case (kind)
-    case (material_elastic, material_neo_hookean, material_drucker_prager, &
-          material_mohr_coulomb, material_mooney_rivlin, material_johnson_holmquist, &
-          material_cam_clay, material_crushable_foam, material_concrete)
+    case (material_elastic, material_neo_hookean, material_mohr_coulomb, &
+          material_mooney_rivlin, material_johnson_holmquist, material_cam_clay, &
+          material_crushable_foam, material_concrete)
       pressure = pressure_own
     case (material_explosive)
       pressure = pressure_products
@@ -332,6 +332,13 @@ contains
       law%slowest = slowest_part*law%detonation_speed
     else if (.not. allocated(fault)) then
       call start_state(values, law, fault)
+    end if
+    if (law%kind == material_drucker_prager) then
+      law%failure%tension = law%soil%tension
+      if (law%soil%dilatancy > 0.0_dp .and. .not. allocated(fault)) then
+        call fault_make(fault, '', 'the pressure of an equation of state does not know a '// &
+                        'dilatancy', 'remove dilatancy of the material')
+      end if
     end if
     if (law%porosity%porous .and. law%heating%warms .and. .not. allocated(fault)) then
       call fault_make(fault, 'distention', 'the temperature of porous material is not known', &
@@ -797,10 +804,15 @@ contains
                                                      material_concrete]))
   end function law_may_shock
 
-  !> Such a material gets the bulk viscosity that shocks want.
+  !> Such a material gets the bulk viscosity that shocks want. In soil, particles that ring would
+  !! lose the shear that friction bears each time that their pressure falls.
   pure subroutine law_spread_shocks(law)
     type(constitutive_t), intent(inout) :: law
-    call set_viscosity(viscosity_of_shocks, law)
+    if (law%kind == material_drucker_prager) then
+      call set_viscosity(viscosity_of_soils, law)
+    else
+      call set_viscosity(viscosity_of_shocks, law)
+    end if
   end subroutine law_spread_shocks
 
   !> Whether a liquid has no card that says how much tension it bears.
@@ -827,6 +839,14 @@ contains
     call eos_terms(law, 1.0_dp, law%history%first_energy, a0, b0, da, db)
     pressure = a0 + b0*law%history%first_energy
   end function law_first_pressure
+
+  !> Speed of sound in the bulk, at the start.
+  elemental function law_sound(law) result(speed)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: speed
+    speed = law%bulk_speed
+    if (.not. speed > 0.0_dp) speed = sqrt(law%elastic%bulk/law%density)
+  end function law_sound
 
   !> Whether the stress depends on the sides of the cells that matter is in.
   elemental logical function law_by_cells(law) result(yes)

@@ -16,7 +16,8 @@ module sgmp_material_drucker_prager
   implicit none
   private
   public :: drucker_prager_read
-  public :: drucker_prager_t, drucker_prager_init, drucker_prager_point, drucker_prager_return
+  public :: drucker_prager_t, drucker_prager_init, drucker_prager_point, drucker_prager_return, &
+            drucker_prager_shear
 
   !> Constants of (D1).
   type :: drucker_prager_t
@@ -100,5 +101,22 @@ contains
       ep(p) = ep(p) + dep
     end do
   end subroutine drucker_prager_return
+
+  !> Return to the cone (D1) at a mean stress that an equation of state gives: of q alone, without
+  !! dilatancy.
+  pure subroutine drucker_prager_shear(law, shear3, mean, trial, ep, factor)
+    type(drucker_prager_t), intent(in) :: law
+    real(dp), intent(in) :: shear3, mean(lanes), trial(lanes)  !! as in drucker_prager_point
+    real(dp), intent(inout) :: ep(lanes)         !! plastic shear strain, updated
+    real(dp), intent(out) :: factor(lanes)       !! scales the trial deviator
+    real(dp) :: q
+    integer :: p
+    !$omp simd simdlen(8) private(q)
+    do p = 1, lanes
+      q = min(trial(p), max(0.0_dp, law%cohesion - law%friction*mean(p)))
+      factor(p) = q/merge(trial(p), 1.0_dp, trial(p) > 0.0_dp)
+      ep(p) = ep(p) + (trial(p) - q)/shear3
+    end do
+  end subroutine drucker_prager_shear
 
 end module sgmp_material_drucker_prager

@@ -26,7 +26,7 @@ module DIM(sgmp_stress_update)
   use sgmp_material_cam_clay, only: cam_clay_moduli, cam_clay_return, cam_clay_start
   use sgmp_material_concrete, only: concrete_return
   use sgmp_material_crushable_foam, only: crushable_foam_return
-  use sgmp_material_drucker_prager, only: drucker_prager_return
+  use sgmp_material_drucker_prager, only: drucker_prager_return, drucker_prager_shear
   use sgmp_material_fluid, only: fluid_diffusion_speed
   use sgmp_material_j2, only: j2_return
   use sgmp_material_jc, only: jc_return, jc_return_simple
@@ -95,10 +95,14 @@ contains
                    strain, trace, jacobian, old_volume, work)
       call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
     case (material_drucker_prager)
-      call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
-                   strain, trace, jacobian, old_volume, work)
-      call soil(law, b(1, law%slots%plastic), b(1, 1), b(1, s))
-      call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+      if (law%eos == eos_none) then
+        call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
+                     strain, trace, jacobian, old_volume, work)
+        call soil(law, b(1, law%slots%plastic), b(1, 1), b(1, s))
+        call elastic(law, dt, mass, strain, trace, b(1, 1), b(1, s), speed2, q, work)
+      else
+        call ground(law, dt, side, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+      end if
     case (material_mohr_coulomb)
       call predict(law, law%elastic%shear, law%elastic%lambda, dt, side, grad, b(1, 1), b(1, s), &
                    strain, trace, jacobian, old_volume, work)
@@ -467,6 +471,36 @@ contains
     call rescale(factor, mean, returned, stress)
     if (.not. law%small_strain) call soil_matter(opened, volume)
   end subroutine soil
+
+  !> A soil with an equation of state: its deviator returns to the cone at the pressure before the
+  !! step, which it does not change; it bears no more tension than at the cap.
+  ! allow(S902)
+  subroutine ground(law, dt, side, mass, grad, nb, b, trace, jacobian, old_volume, speed2, q, work)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: dt, side, mass(lanes), grad(lanes, NGRAD)
+    integer, intent(in) :: nb
+    real(dp), intent(inout) :: b(lanes, nb)
+    real(dp), intent(out) :: trace(lanes), jacobian(lanes), old_volume(lanes)
+    real(dp), intent(out) :: speed2(lanes), q(lanes), work(lanes)
+    real(dp) :: strain(lanes, NFLUX), mean(lanes), norm(lanes), factor(lanes)
+    real(dp) :: ones(lanes), shear(lanes), pressure_work(lanes)
+    integer :: s
+    s = law%slots%stress
+    ones = 1.0_dp
+    shear = law%elastic%shear
+    call predict(law, law%elastic%shear, -2.0_dp/3.0_dp*law%elastic%shear, dt, side, grad, &
+                 b(1, 1), b(1, s), strain, trace, jacobian, old_volume, work)
+    call von_mises(b(1, s), mean, norm)
+    call drucker_prager_shear(law%soil, 3.0_dp*law%elastic%shear, mean, norm, &
+                              b(1, law%slots%plastic), factor)
+    call relax(factor, mean, strain, trace, b(1, s), work)
+    call equation_of_state(law, closing_t(dt, trace), mass, old_volume, b(1, 1), work, &
+                           4.0_dp/3.0_dp*shear, ones, b(1, law%slots%energy), mean, speed2, q, &
+                           pressure_work)
+    work = work + pressure_work
+    call cavitate(law, mass, old_volume, nb, b, mean, speed2, work)
+    call add_mean(mean, b(1, s))
+  end subroutine ground
 
   !> Scales the deviator of a stress, and gives it another mean.
   pure subroutine rescale(factor, mean, new_mean, stress)

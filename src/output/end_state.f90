@@ -227,6 +227,9 @@ contains
       do side = 1, 2
         associate (bodies => cshift(model%contact%pairs(p)%body, side - 1))
           if (model%bodies(bodies(1))%rigid) cycle
+          ! How much of it fills a place does not show in a gas, which is denser here than there;
+          ! its own particles in the other body do.
+          if (law_gaseous(model%bodies(bodies(2))%law)) cycle
           inside = 0_i8
           if (meet_here(model%contact%shared, p)) then
             inside = count_inside(model, bodies(1), bodies(2))

@@ -120,6 +120,10 @@ contains
                  body_group(model%bodies, pair%body(2))//', friction '//real_text(pair%friction))
       end associate
     end do
+    if (any(scene%contacts%unasked)) then
+      call put('  default   contact all: no card contact or group is for some that may meet '// &
+               '(doc/contact.md)')
+    end if
     do f = 1, size(model%fields)
       do g = f + 1, size(model%fields)
         a = findloc(model%bodies%field, f, 1)
@@ -147,8 +151,14 @@ contains
     end do
     text = ', stick together'
     if (all(flows .or. model%bodies%field /= field)) text = ', mix'
-    b = findloc(model%bodies%field == field .and. scene%bodies%group /= '', .true., 1)
-    if (b > 0) text = text//' (group '//trim(scene%bodies(b)%group)//')'
+    b = findloc(model%bodies(:size(scene%bodies))%field == field .and. &
+                scene%bodies%group /= '', .true., 1)
+    if (b > 0) then
+      text = text//' (group '//trim(scene%bodies(b)%group)//')'
+    else if (any(model%bodies(:size(scene%bodies))%field == field .and. &
+                 scene%bodies%leader > 0)) then
+      text = text//' (default: they touch at the start and move alike)'
+    end if
   end function together
 
   subroutine put_body(scene, model, b)

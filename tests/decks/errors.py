@@ -35,6 +35,7 @@ EXPECTED = {
     "bad_number": [r"{d}:4:12: error: .*'abc'", r"numbers are written like"],
     "beyond_units": [r"{d}:6:41: warning: young = 1e60 is 1e66 in SI units",
                      r"{d}:7:1: error: unknown card 'nonsense'"],
+    "soil_dilatancy": [r"{d}:6:1: error: the pressure of an equation of state does not know a dilatancy", r"^1 error"],
     "binary": [r"{d}:1:1: error: not a text file"],
     "binary_tail": [r"{d}:6:1: error: not a text file"],
     "blast": [r"{d}:9:1: error: a blast must know what the numbers of the deck mean",

@@ -107,14 +107,21 @@ def checked(report):
     text = looked_at(deck("2", "sgmp", "musl", True, "plate punch") + groups)
     for wanted in (
         "plate1+plate2, stick together (group plate)", "gas1+gas2, mix", "contact     plate1+plate2 and punch",
-        "gas1+gas2 and punch pass through each other", "pass through each other; `contact all`",
+        "contact     plate1+plate2 and gas1+gas2", "default   contact all",
     ):
         report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
-    text = looked_at(deck("2", "sgmp", "musl", True, "plate1 punch"))
-    report.check("'gas1' flows and sticks to 'plate2'" in text, f"gas that sticks to half a plate is not named\n{text}")
-    text = looked_at(deck("2", "sgmp", "musl", True, "all").replace("contact all friction=0.1", "") + groups)
-    for wanted in ("contact     none: all bodies share one velocity field", "group 'plate' does nothing"):
+    bare = deck("2", "sgmp", "musl", True, "all").replace("contact all friction=0.1", "")
+    text = looked_at(bare.replace("velocity punch y=-1", "") + "\nrigid punch y=-1\n")
+    for wanted in ("'gas1' flows and sticks to 'plate1'", "plate1+plate2+gas1+gas2, stick together (default:"):
         report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
+    bare = bare.replace("velocity punch y=-1", "velocity punch y=-0.5")
+    text = looked_at(bare + groups)
+    for wanted in ("default   contact all", "plate1+plate2 and punch, friction 0"):
+        report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
+    text = looked_at(bare + "\ngroup all_solids plate1,plate2,punch\ngroup gas gas1,gas2\n")
+    for wanted in ("contact     none: all bodies share one velocity field", "group 'gas' does nothing"):
+        report.check(wanted in text, f"--check does not say '{wanted}':\n{text}")
+    report.check("group 'all_solids' does nothing" not in text, f"a group of solids does nothing:\n{text}")
 
 
 def errors(report):
@@ -144,7 +151,7 @@ def names(report):
 
 
 def warnings(report):
-    text = deck("2", "sgmp", "musl", True, "plate1 punch")
+    text = deck("2", "sgmp", "musl", True, "gas1 punch")
     result = run("strangers", text, options=("--check",))
     report.check(
         "pass through each other" in result.text, f"bodies in other fields without a card are named\n{result.text}"

@@ -85,6 +85,7 @@ material m elastic density=2 young=1e3 poisson=0.3
 material dust elastic density=2e-9 young=1e-6 poisson=0.3
 body disk cylinder material=m centre=(0.03,0.04,0) radius=1 spacing=0.125
 body speck block material=dust lower=(6,6) upper=(6.25,6.25) ppc=1
+group one disk,speck
 velocity disk x="-3*(y-0.04)" y="3*(x-0.03)"
 velocity speck x=6
 """

@@ -18,11 +18,12 @@ method {method}
 time {time}
 material m elastic density=2 young=50 poisson=0.3
 body left block material=m lower=(0,0) upper=({left},4) {particles}
-body right block material=m lower=({right},0) upper=(20,4) ppc=2
+body right block material={what} lower=({right},0) upper=(20,4) ppc=2
 velocity left x={speed}
 {more}
 """
-USUAL = {"method": "sgmp", "time": "dt=0.1 end=2", "left": 4, "right": 10, "particles": "ppc=2", "speed": 0, "more": ""}
+USUAL = {"method": "sgmp", "time": "dt=0.1 end=2", "left": 4, "right": 10, "particles": "ppc=2", "speed": 0, "more": "",
+         "what": "m"}
 CHARGE = """
 dimension 2
 grid cell=1
@@ -45,6 +46,9 @@ velocity b y={speed}
 """
 UNIT = "is every= in the deck's unit of time?"
 STICK = "'left' and 'right' move towards each other and will stick together"
+BONDED = "'left' and 'right' share a surface at the start and are bonded"
+# The right block is of gas, which sticks to solids that it is blown at.
+GAS = {"more": "material gas fluid density=1\neos gas ideal_gas gamma=1.4 energy0=2.5", "what": "gas"}
 RIGID_BOTH = "'left' and 'right' are both rigid"
 
 # Changes of the deck of two blocks, and the one warning that they bring, if any.
@@ -77,19 +81,25 @@ CASES = [
     ({"more": "gauge g point=(-1.1,0.25)"}, None),
     ({"more": "gauge g point=(-1.25,0.25)"}, "gauge 'g' is 1.5 cells from the nearest particle"),
     ({"more": "gauge g point=(-1.25,0.25) radius=3"}, None),
-    # Bodies meet after 6/speed, at 3 they do not within 2; not where there is contact, nor where one moves away, nor
-    # beside each other.
-    ({"speed": 2.9}, None),
+    # A solid and a gas meet after 6/speed, at 3 they do not within 2; not where there is contact, nor where one moves
+    # away, nor beside each other; solids stick that are so fast.
+    ({"speed": 2.9, **GAS}, None),
+    ({"speed": 3.1, **GAS}, STICK),
     ({"speed": 3.1}, STICK),
-    ({"speed": -9}, None),
-    ({"speed": 3.1, "time": "dt=0.1 end=2", "more": "contact all"}, None),
-    ({"speed": 0.1, "time": "dt=0.1 steps=3"}, STICK),
-    ({"speed": 9, "more": "velocity right y=9"}, None),
-    ({"speed": 9, "more": "velocity right y=5"}, STICK),
-    # Bodies without a card contact between them, where others have one.
-    ({"more": "body third block material=m lower=(30,0) upper=(34,4) ppc=2\nbody fourth block material=m lower=(40,0) "
-              "upper=(44,4) ppc=2\ncontact left right"},
-     "no card `contact` is for 'left' and 'third' (4 such in all)"),
+    ({"speed": -9, **GAS}, None),
+    ({"speed": 3.1, "time": "dt=0.1 end=2", **GAS, "more": GAS["more"] + "\ncontact all"}, None),
+    ({"speed": 0.1, "time": "dt=0.1 steps=3", **GAS}, STICK),
+    ({"speed": 9, **GAS, "more": GAS["more"] + "\nvelocity right y=9"}, None),
+    ({"speed": 9, **GAS, "more": GAS["more"] + "\nvelocity right y=5"}, STICK),
+    # Solids that share a surface, unless a card says what they are.
+    ({"left": 10}, BONDED + ": contact left right lets them"),
+    ({"left": 10, "more": "contact all"}, None),
+    ({"left": 10, "more": "group one left,right"}, None),
+    ({"left": 10, "more": "body third block material=m lower=(10,4) upper=(20,8) ppc=2"},
+     BONDED + " (3 such in all)"),
+    # Gases that do not touch the same others, and so have different fields.
+    ({**GAS, "more": GAS["more"] + "\nbody third block material=gas lower=(30,0) upper=(34,4) ppc=2\n"
+      "contact left right friction=0.1"}, "no card `contact` is for 'right' and 'third' (1 such in all)"),
     # Rigid bodies: prescribed ones that meet, a free one wherever it goes.
     ({"more": RIGID.format(2.9, "")}, None),
     ({"more": RIGID.format(3.1, "")}, RIGID_BOTH),

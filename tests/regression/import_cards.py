@@ -275,7 +275,7 @@ BECOMES = {
             PART.replace("block 1", "block 2") + PART + PART, "endi", "cont lagr 0.3 2 endi",
         ],
         [
-            "contact body_2 body_1 friction=0.3 normal=second", "contact body_3 body_1 friction=0.3 normal=second",
+            "group component_1 body_2,body_3", "contact component_1 body_1 friction=0.3 normal=second",
             "!contact body_2 body_3", "!contact body_3 body_2",
         ],
         [],

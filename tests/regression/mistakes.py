@@ -117,7 +117,10 @@ MISTAKES = [
     ("two methods", ROD, "method sgmp update=musl", "method sgmp update=musl\nmethod gimp"),
     ("two bodies of one name", ROD, "body rod cylinder", "body plate cylinder"),
     ("a scene in 3D called plane", ROD, "dimension 3", "dimension 2"),
-    ("a forgotten contact", ROD, "contact rod plate friction=0.1\n", ""),
+    (
+        "a plate of two layers that no card says are one", ROD, "contact rod plate friction=0.1\n",
+        "body rest block material=copper lower=(0,0,-12) upper=(15,15,-9) ppc=2\n",
+    ),
     (
         "a rigid rod on a rigid plate", ROD, "velocity rod z=-speed\ncontact rod plate friction=0.1",
         "rigid plate\nrigid rod z=-speed\ncontact all",

@@ -1,4 +1,5 @@
-!> contact.csv: one row per pair of bodies in contact, with their names.
+!> contact.csv: one row per pair of bodies in contact, with their names; of many pairs for those
+!! that are near each other.
 !!
 !! The force is that on the pair's first body; on the second it is the opposite. It is the mean over
 !! the time since the row before, so that no impulse is lost between rows. Its part along the
@@ -15,6 +16,7 @@ module sgmp_contact_output
   public :: contact_rows_t, contact_rows_open, contact_rows_write, contact_impulses
 
   integer, parameter :: contact_impulses = 9  !! components, linear, angular, of friction
+  integer, parameter :: most_pairs = 100  !! of more those have rows that are near each other
 
   !> The table, and what its last rows counted up to.
   type :: contact_rows_t
@@ -47,23 +49,24 @@ contains
     type(error_t), allocatable, intent(out) :: error
     real(dp) :: impulse(contact_impulses), span
     integer :: p, row
-    logical :: of(size(model%contact%pairs))
+    integer, allocatable :: of(:)
     if (size(model%contact%pairs) == 0 .or. rows%step == model%clock%step) return
     span = model%clock%time - rows%time
     if (model%clock%step == 0) span = 1.0_dp
     row = 0
     do p = 1, size(model%contact%pairs)
-      call same_bodies(model, p, of)
-      if (findloc(of, .true., 1) < p) cycle
+      of = same_bodies(model, p)
+      if (of(1) < p) cycle
       row = row + 1
-      associate (pairs => model%contact%pairs, pair => model%contact%pairs(p))
-        impulse = sum_of(pairs, of)
+      associate (pairs => model%contact%pairs(of), pair => model%contact%pairs(p))
+        impulse = sum_of(pairs)
+        if (size(model%contact%pairs) > most_pairs .and. sum(pairs%shared) == 0 .and. &
+            all(abs(impulse - rows%impulse(:, p)) <= 0.0_dp)) cycle
         call rows%file%write_row(model%clock%step, &
                                  [model%clock%time, real(row, dp), &
                                   (impulse - rows%impulse(:, p))/span, &
-                                  real(sum(pairs%shared, mask=of), dp), &
-                                  real(sum(pairs%touching, mask=of), dp), &
-                                  sum(pairs%dissipation, mask=of)], error, &
+                                  real(sum(pairs%shared), dp), real(sum(pairs%touching), dp), &
+                                  sum(pairs%dissipation)], error, &
                                  body_group(model%bodies, of_deck(model, pair%body(1)))//' '// &
                                  body_group(model%bodies, of_deck(model, pair%body(2))))
         rows%impulse(:, p) = impulse
@@ -74,19 +77,23 @@ contains
     rows%time = model%clock%time
   end subroutine contact_rows_write
 
-  !> Which pairs are of the same bodies as one, whatever labels these have where they touch
-  !! themselves.
-  pure subroutine same_bodies(model, p, of)
+  !> Pairs of the same bodies as one, whatever labels these have where they touch themselves; else
+  !! it is the only one.
+  pure function same_bodies(model, p) result(of)
     type(model_t), intent(in) :: model
     integer, intent(in) :: p
-    logical, intent(out) :: of(:)                !! (pairs)
+    integer, allocatable :: of(:)                !! ascending
     integer :: q, fields(2), others(2)
+    of = [p]
+    if (.not. model%contact%self%on) return
     fields = model%bodies(of_deck(model, model%contact%pairs(p)%body))%field
-    do q = 1, size(of)
+    deallocate (of)
+    allocate (of(0))
+    do q = 1, size(model%contact%pairs)
       others = model%bodies(of_deck(model, model%contact%pairs(q)%body))%field
-      of(q) = all(others == fields) .or. all(others == fields([2, 1]))
+      if (all(others == fields) .or. all(others == fields([2, 1]))) of = [of, q]
     end do
-  end subroutine same_bodies
+  end function same_bodies
 
   !> The body that a twin is of.
   elemental function of_deck(model, b) result(body)
@@ -97,14 +104,13 @@ contains
   end function of_deck
 
   !> Impulses of some pairs on the first bodies of the first of them; a body gives itself none.
-  pure function sum_of(pairs, of) result(impulse)
+  pure function sum_of(pairs) result(impulse)
     type(contact_pair_t), intent(in) :: pairs(:)
-    logical, intent(in) :: of(:)                 !! (pairs)
     real(dp) :: impulse(contact_impulses)
     integer :: q
     impulse = 0.0_dp
     do q = 1, size(pairs)
-      if (.not. of(q) .or. pairs(q)%family > 0) cycle
+      if (pairs(q)%family > 0) cycle
       impulse = impulse + [pairs(q)%impulse, pairs(q)%angular_impulse, pairs(q)%friction_impulse]
     end do
   end function sum_of

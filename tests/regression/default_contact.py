@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""Decks of several bodies without a card `contact` (doc/contact.md, Without a card): bars exchange their velocities,
+what falls rests and can be lifted, layers hold together under tension, a slug of water gives a plate its momentum and
+leaves it, a card `group` bonds, and words at the start and of --check say what is done.
+
+usage: default_contact.py SGMP SOURCE_DIR SCRATCH_DIR
+"""
+from _runs import Report, run
+
+BARS = """
+parameter c = 32
+dimension {space}
+grid cell=1/c {grid}
+{walls}
+method sgmp
+time end=3.2 cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body one block material=m lower={at[0]} upper={at[1]} ppc=2
+body two block material=m lower={at[2]} upper={at[3]} ppc=2
+velocity one x=0.01
+history steps=20
+"""
+# One bar, cut in two: the wave of a blow at its left end runs to the right one and comes back as tension.
+LAYERS = """
+parameter c = 32
+dimension 1
+grid cell=1/c x=open
+method sgmp
+time end=2.5 cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body hammer block material=m lower=0 upper=0.25
+body left block material=m lower=0.25 upper=1
+body right block material=m lower=1 upper=1.5
+velocity hammer x=0.01
+history steps=20
+"""
+# A plate falls on another, and is lifted again.
+LIFTED = """
+dimension 2
+grid cell=1 x=0:12 y=0:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=300 cfl=0.4
+material m elastic density=1 young=1 poisson=0
+body low block material=m lower=(0,0) upper=(12,6)
+body high block material=m lower=(2,7) upper=(10,13)
+bodyforce high y="t<150 ? -0.0005 : 0.0005"
+damping rate=0.05
+history steps=20
+"""
+SLUG = """
+units mm g ms
+dimension 1
+grid cell=0.25 x=open
+method sgmp
+time end=0.02 cfl=0.4
+material water fluid density=1e-3
+eos water gruneisen c0=1480 s=1.92 gamma0=0.1
+material copper elastic density=0.00893 young=120000 poisson=0.34
+body slug block material=water lower=0 upper=8
+body plate block material=copper lower=8.3 upper=9.3
+velocity slug x=100
+history steps=20
+"""
+report = Report()
+
+
+def end_of(result, name, key):
+    """The last value of a body."""
+    return [row[key] for row in result.table("bodies.csv") if row["name"] == name][-1]
+
+
+def bars():
+    """Two equal bars exchange their velocities (waves in bars), on a line, in plane and space."""
+    for space, grid, walls, at in (
+        (1, "", "", ("0", "1", "1.005", "2.005")),
+        (2, "y=0:4/c", "wall y-=slip y+=slip", ("(0,0)", "(1,4/c)", "(1.005,0)", "(2.005,4/c)")),
+        (3, "y=0:4/c z=0:4/c", "wall y-=slip y+=slip z-=slip z+=slip",
+         ("(0,0,0)", "(1,4/c,4/c)", "(1.005,0,0)", "(2.005,4/c,4/c)")),
+    ):
+        deck = BARS.format(space=space, grid=grid, walls=walls, at=at)
+        result = run(f"bars_{space}", deck)
+        if not report.finished(result, f"bars {space}D"):
+            continue
+        left, right = (end_of(result, name, "velocity_x")/0.01 for name in ("one", "two"))
+        report.check(abs(left) < 0.04 and abs(right - 1) < 0.04, f"bars {space}D: {left:.3f}, {right:.3f}, not 0, 1")
+        asked = run(f"asked_{space}", deck + "contact all\n")
+        report.check(asked["checksum"] == result["checksum"], f"bars {space}D: not as with contact all")
+        bonded = run(f"bonded_{space}", deck + "group both one,two\n")
+        if report.finished(bonded, f"group {space}D"):
+            left, right = (end_of(bonded, name, "x") for name in ("one", "two"))
+            report.check(abs(right - left - 1.0) < 0.03, f"group {space}D: {left}, {right} have parted")
+
+
+def layers():
+    """What shares a surface is one piece. The hammer and the bar have 1.5 in length; in t = 2.5 the pulse has run to
+    the end, has come back and lies in the left part again: tension has passed where the bar is cut."""
+    result = run("layers", LAYERS)
+    if not report.finished(result, "layers"):
+        return
+    grouped = run("layers_grouped", LAYERS + "group bar left,right\n")
+    report.check(grouped["checksum"] == result["checksum"], "layers: not as with a group")
+    momentum = {name: end_of(result, name, "velocity_x")*length
+                for name, length in (("hammer", 0.25), ("left", 0.75), ("right", 0.5))}
+    # the hammer stops; the pulse of 0.5 at velocity 0.005 runs: at 2.5 - 0.25 = 2.25 its head is 0.5 left of the end
+    report.check(abs(momentum["hammer"]) < 1e-4, f"layers: {momentum}")
+    report.check(abs(momentum["right"]) < 2.5e-4 and abs(momentum["left"] - 2.5e-3) < 2.5e-4, f"layers: {momentum}")
+    report.check("'left' and 'right' share a surface at the start and are bonded" in result.text, result.text)
+    report.check("bonded" not in grouped.text, grouped.text)
+    parted = run("layers_parted", LAYERS + "contact all\n")
+    if report.finished(parted, "parted layers"):  # the pulse stays in the right part, which flies away with it
+        left, right = (end_of(parted, name, "velocity_x") for name in ("left", "right"))
+        report.check(abs(left) < 4e-4 and abs(right - 0.005) < 4e-4, f"parted layers: {left}, {right}")
+
+
+def lifted():
+    """A plate that has come to rest on another can be lifted."""
+    result = run("lifted", LIFTED)
+    if report.finished(result, "lifted"):
+        rows = result.table("bodies.csv")
+        heights = [row["y"] for row in rows if row["name"] == "high"]
+        report.check(abs(min(heights) - 9) < 0.1, f"lifted: lowest at {min(heights)}, not 9")
+        report.check(heights[-1] > 9.5, f"lifted: ends at {heights[-1]}")
+        low = end_of(result, "low", "y")
+        report.check(abs(low - 3) < 0.05, f"lifted: the lower one is at {low}")
+
+
+def slug():
+    """What a slug of water and a plate have together: momentum; the plate is faster in the end than the water."""
+    result = run("slug", SLUG)
+    if report.finished(result, "slug"):
+        plate, water = (end_of(result, name, "velocity_x") for name in ("plate", "slug"))
+        gap = result.table("bodies.csv")
+        report.check(plate > water + 1, f"slug: {plate}, {water}: they do not part")
+        total = plate*8.93 + water*8
+        report.check(abs(total/800 - 1) < 1e-9, f"slug: momentum {total} of 800, {len(gap)} rows")
+
+
+def told():
+    """--check says what is done."""
+    deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
+    text = run("told", deck, options=("--check",)).text
+    report.check("contact     one and two, friction 0" in text and "default   contact all" in text, text)
+    text = run("told_layers", LAYERS, options=("--check",)).text
+    report.check("left+right, stick" in text and "default: they touch at the start" in text, text)
+
+
+bars()
+layers()
+lifted()
+slug()
+told()
+report.end()
