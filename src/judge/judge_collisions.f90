@@ -11,8 +11,8 @@
 !! up to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
-  use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_is_springy, law_liquid, &
-                               law_tears
+  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_is_springy, &
+                               law_liquid, law_tears
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
@@ -24,7 +24,7 @@ module sgmp_judge_collisions
   use sgmp_near_walls, only: near_walls
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shape_block, shape_ring, shapes_box
+  use sgmp_shapes, only: shape_block, shape_ring, shape_sphere, shapes_box
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
   implicit none
@@ -45,6 +45,8 @@ module sgmp_judge_collisions
   real(dp), parameter :: held_cells = 80.0_dp     !! sgmp, ratio 0.3: 0.22, 0.2, 0.13 of 10, 20, 40
   real(dp), parameter :: held_error = 0.3_dp      !! 0.45: 0.26, 0.29, 0.19; gimp 0.33, 0.20, 0.08
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
+  real(dp), parameter :: soft_weight = 3.2_dp     !! metal disks of 12 to 96 cells: 1.9 to 3
+  real(dp), parameter :: slowed = 0.5_dp          !! of its velocity it has lost at least so much
   real(dp), parameter :: round_weight = 0.75_dp   !! disks of 8 to 32 cells across: 0.6 to 0.75
   real(dp), parameter :: ball_patch = 0.24_dp     !! cells of the patch: 0.07 to 0.23
   real(dp), parameter :: disk_patch = 0.12_dp     !! 0.04 to 0.12
@@ -428,7 +430,7 @@ contains
   end subroutine judge_crowd
 
   !> Bodies that come back from a wall: those that fly against the one velocity with which they
-  !! began, and touch no other.
+  !! began, and touch no other; and balls that yield at one.
   subroutine judge_walls(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -438,15 +440,57 @@ contains
     before = size(opinion%errors)
     if (all(model%mesh%wall(:, :n) == wall_free) .or. size(model%contact%pairs) > 0) return
     do b = 1, size(scene%bodies)
-      if (.not. bounces(scene, model, b)) cycle
-      associate (start => scene%bodies(b)%velocity(:n))
-        if (.not. all(start%is_constant)) cycle
-        if (dot_product(start%value, model%totals%bodies(b)%momentum(:n)) >= 0.0_dp) cycle
-      end associate
-      call expect_wall(opinion, model, b, body_thickness(scene%bodies(b)%shapes, model%mesh))
+      if (bounces(scene, model, b)) then
+        if (kept_speed(scene, model, b) >= 0.0_dp) cycle
+        call expect_wall(opinion, model, b, body_thickness(scene%bodies(b)%shapes, model%mesh))
+      else if (is_soft_ball(scene, model, b)) then
+        if (kept_speed(scene, model, b) >= slowed) cycle
+        call expect_soft_ball(opinion, model, b, &
+                              body_thickness(scene%bodies(b)%shapes, model%mesh))
+      end if
       if (size(opinion%errors) > before) return
     end do
   end subroutine judge_walls
+
+  !> Part of the one velocity with which a body began that it has along that; 1 where it has none.
+  pure function kept_speed(scene, model, b) result(part)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp) :: part, square
+    part = 1.0_dp
+    associate (start => scene%bodies(b)%velocity(:model%mesh%ndim), sums => model%totals%bodies(b))
+      if (.not. all(start%is_constant)) return
+      square = sum(start%value**2)*sums%mass
+      if (square > 0.0_dp) part = dot_product(start%value, sums%momentum(:size(start)))/square
+    end associate
+  end function kept_speed
+
+  !> Balls and disks that yield: the wall holds each part of the face that widens a cell early.
+  subroutine expect_soft_ball(opinion, model, b, cells)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    real(dp), intent(in) :: cells        !! across
+    if (soft_weight/cells < least_flat) return
+    call opinion%expect(max(least_error, min(most_error, soft_weight/cells)), &
+                        "body '"//trim(model%bodies(b)%name)//"', "//real_text_about(cells)// &
+                        ' cells across, yields at a wall of the grid: its velocity after it '// &
+                        'wants smaller cells, or a rigid body for the wall')
+  end subroutine expect_soft_ball
+
+  !> Whether a body is a ball or a disk that yields and cannot fail.
+  pure logical function is_soft_ball(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    yes = .false.
+    if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
+    associate (law => model%bodies(b)%law)
+      yes = law_bends(law) .and. .not. (law_is_springy(law) .or. asked_to_fail(law)) .and. &
+            all(scene%bodies(b)%shapes%kind == shape_sphere)
+    end associate
+  end function is_soft_ball
 
   !> An elastic body that has come back from a wall. Parts of its face would leave the wall while
   !! others press on it, where it widens as it is pressed; the wall holds them for a cell.
