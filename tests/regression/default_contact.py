@@ -136,6 +136,23 @@ def slug():
         report.check(abs(total/800 - 1) < 1e-9, f"slug: momentum {total} of 800, {len(gap)} rows")
 
 
+def rows():
+    """Of more than 100 pairs those have rows that are near each other; of fewer all."""
+    head = BARS[:BARS.index("body one")].format(space=1, grid="", walls="")
+    for number, every in ((14, True), (15, False)):
+        blocks = "".join(
+            f"body b{i} block material=m lower={0.5*i} upper={0.5*i + 0.25} ppc=2\n" for i in range(number)
+        )
+        result = run(f"rows_{number}", head + blocks + "velocity b0 x=0.05\nvelocity b1 x=-0.05\nhistory steps=1\n")
+        if not report.finished(result, f"{number} blocks"):
+            continue
+        table = result.table("contact.csv")
+        pairs = {row["bodies"] for row in table}
+        all_pairs = number*(number - 1)//2
+        report.check(len(pairs) == (all_pairs if every else 1), f"{number} blocks: rows of {len(pairs)} pairs")
+        report.check("b0 b1" in pairs, f"{number} blocks: {pairs}")
+
+
 def told():
     """--check says what is done."""
     deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
@@ -149,5 +166,6 @@ bars()
 layers()
 lifted()
 slug()
+rows()
 told()
 report.end()
