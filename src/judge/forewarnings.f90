@@ -6,7 +6,8 @@
 module sgmp_forewarnings
   use sgmp_body, only: body_t
   use sgmp_build_stress, only: stress_returned
-  use sgmp_constitutive, only: law_gaseous, law_is_spherical
+  use sgmp_constitutive, only: eos_none, law_bends, law_gaseous, law_is_spherical, &
+                               material_explosive
   use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
   use sgmp_graded_axis, only: graded_place
@@ -49,6 +50,7 @@ contains
     call look_at_projectiles(scene, model, warnings)
     call look_for_strangers(model, warnings)
     call look_for_bonds(scene, model, warnings)
+    call look_for_soft_ground(model, warnings)
     call look_for_glue(scene, model, warnings)
     call look_for_closed_gas(model, warnings)
     call look_at_features(model, warnings)
@@ -205,6 +207,24 @@ contains
               "' and '"//trim(model%bodies(first(2))%name)//"' ("//integer_text(found)// &
               ' such in all): they pass through each other; `contact all` makes every pair touch')
   end subroutine look_for_strangers
+
+  !> Soil with constant moduli beside an explosive, which presses it to many times these.
+  subroutine look_for_soft_ground(model, warnings)
+    type(model_t), intent(in) :: model
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    integer :: b
+    if (.not. any(model%bodies%law%kind == material_explosive)) return
+    do b = 1, size(model%bodies)
+      if (model%bodies(b)%rigid) cycle
+      associate (law => model%bodies(b)%law)
+        if (law_bends(law) .or. law_is_spherical(law) .or. law%eos /= eos_none) cycle
+      end associate
+      call warn(warnings, "soil '"//trim(model%bodies(b)%name)//"' has constant moduli and may "// &
+                'collapse beside an explosive: give it an equation of state (drucker_prager, '// &
+                'doc/materials.md, Soils under blasts)')
+      return
+    end do
+  end subroutine look_for_soft_ground
 
   !> Solids that are bonded for want of a card: the deck may mean two that can part.
   subroutine look_for_bonds(scene, model, warnings)

@@ -126,11 +126,13 @@ def mine():
     ):
         result = run(name, MINE.format(eos=eos))
         if report.finished(result, name):
+            report.check("constant moduli" not in result.text, f"{name}: {result.text}")
             report.check(result["verdict"] != "doubtful", f"{name}: {result['verdict_reasons']}")
             dense = result["end_state.largest_compression"]
             report.check(dense < most, f"{name}: {dense} times as dense")
             report.check(abs(result["energy.drift"]) < 0.02, f"{name}: drift {result['energy.drift']}")
     collapsed = run("bare", MINE.format(eos=""))
+    report.check("soil 'ground' has constant moduli" in collapsed.text, f"a mine without eos: {collapsed.text}")
     report.check(collapsed.code != 0 or collapsed["verdict"] == "doubtful", "a mine in soil without eos is not doubted")
 
 
