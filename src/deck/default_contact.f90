@@ -1,11 +1,15 @@
 !> Contact where the deck does not speak of it (doc/contact.md, Without a card).
 !!
-!! Two solids for which no card `contact` or `group` is touch without friction, unless they share a
-!! surface at the start and move alike there: those are bonded, as a card `group` makes them. So do
-!! a solid and a liquid, which nothing bonds. Solids in a scene that begins faster than a tenth of
-!! their speed of sound do not: they flow into each other, and the spray of the one would get into
-!! the other. Where nobody touches, all bodies share one velocity field; where some do, solids touch
-!! gases, too. Of more than 64 bodies or groups none does: a field for each would be dear.
+!! For two bodies that no card `contact` or `group` is for:
+!!
+!! * solids touch without friction;
+!! * but those that share a surface at the start and move alike there are bonded, as by a `group`;
+!! * and in a scene faster than a tenth of their speed of sound they share a velocity field: contact
+!!   does not keep metals that flow far out of each other;
+!! * a solid and a liquid touch, unless the liquid lies on it at the start and moves with it.
+!!
+!! Where any of these touch, solids touch gases, too; where none does, all bodies share one field.
+!! Of more than 64 bodies or groups none touches: a field for each would be dear.
 module sgmp_default_contact
   use sgmp_constitutive, only: law_is_spherical, law_liquid, law_sound
   use sgmp_fast_scenes, only: largest_speed_of
@@ -15,7 +19,7 @@ module sgmp_default_contact
   use sgmp_turn, only: turn_back, turn_box
   implicit none
   private
-  public :: default_contact_settle
+  public :: contact_leader, default_contact_settle
 
   real(dp), parameter :: joined = 1.0e-4_dp   !! cells: so near, surfaces are one
   real(dp), parameter :: wide = 0.5_dp        !! cells: so far that is to reach
@@ -84,7 +88,7 @@ contains
   pure function groups(scene) result(number)
     type(scene_t), intent(in) :: scene
     integer :: number, b
-    number = count([(leader_of(scene%bodies, b) == b .and. .not. scene%bodies(b)%rigid, &
+    number = count([(contact_leader(scene, b) == b .and. .not. scene%bodies(b)%rigid, &
                      b=1, size(scene%bodies))])
   end function groups
 
@@ -131,7 +135,7 @@ contains
     integer, intent(in) :: a, b
     logical :: yes
     integer :: c, pair(2)
-    pair = [leader_of(scene%bodies, a), leader_of(scene%bodies, b)]
+    pair = [contact_leader(scene, a), contact_leader(scene, b)]
     yes = .false.
     do c = 1, size(scene%contacts)
       associate (named => scene%contacts(c)%body)
@@ -140,18 +144,19 @@ contains
     end do
   end function is_named
 
-  pure function leader_of(bodies, b) result(leader)
-    type(body_card_t), intent(in) :: bodies(:)
+  !> The first body of a body's group, itself where it has none.
+  pure function contact_leader(scene, b) result(leader)
+    type(scene_t), intent(in) :: scene
     integer, intent(in) :: b
     integer :: leader
-    leader = merge(bodies(b)%leader, b, bodies(b)%leader > 0)
-  end function leader_of
+    leader = merge(scene%bodies(b)%leader, b, scene%bodies(b)%leader > 0)
+  end function contact_leader
 
   pure function in_one_group(scene, a, b) result(yes)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: a, b
     logical :: yes
-    yes = leader_of(scene%bodies, a) == leader_of(scene%bodies, b)
+    yes = contact_leader(scene, a) == contact_leader(scene, b)
   end function in_one_group
 
   !> Whether two bodies may be one group: others must not touch them in different ways.
@@ -183,7 +188,7 @@ contains
     integer :: c
     yes = .false.
     do c = 1, size(scene%contacts)
-      yes = yes .or. any(scene%contacts(c)%body == leader_of(scene%bodies, b))
+      yes = yes .or. any(scene%contacts(c)%body == contact_leader(scene, b))
     end do
   end function names_alone
 
@@ -192,10 +197,10 @@ contains
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: a, b
     integer :: c, first, i, pair(2)
-    pair = [leader_of(scene%bodies, a), leader_of(scene%bodies, b)]
+    pair = [contact_leader(scene, a), contact_leader(scene, b)]
     first = minval(pair)
     do i = 1, size(scene%bodies)
-      if (any(leader_of(scene%bodies, i) == pair)) scene%bodies(i)%leader = first
+      if (any(contact_leader(scene, i) == pair)) scene%bodies(i)%leader = first
     end do
     do c = 1, size(scene%contacts)
       where (scene%contacts(c)%body == maxval(pair)) scene%contacts(c)%body = first

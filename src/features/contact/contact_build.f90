@@ -4,6 +4,7 @@ module sgmp_contact_build
   use sgmp_constitutive, only: law_gaseous, law_is_spherical
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_separating, &
                                 normal_stiffer
+  use sgmp_default_contact, only: contact_leader
   use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_t
   use sgmp_mesh, only: mesh_places, mesh_sides, mesh_t
@@ -39,7 +40,7 @@ contains
     integer :: leader(size(model%bodies)), of(size(model%bodies))
     n = size(scene%bodies)
     of = [(merge(model%bodies(b)%twin_of, b, model%bodies(b)%twin_of > 0), b=1, size(of))]
-    leader = [(leader_of(scene, of(b)), b=1, size(leader))]
+    leader = [(contact_leader(scene, of(b)), b=1, size(leader))]
     card = cards_between(scene, leader, model)
     call group_bodies(card(:n, :n), leader(:n), model%bodies(:n))
     call field_twins(n, model%bodies)
@@ -104,7 +105,7 @@ contains
     logical :: yes
     yes = .not. scene%bodies(number)%rigid .and. &
           .not. law_is_spherical(scene%materials(scene%bodies(number)%material)%law)
-    if (yes) yes = self_card(scene%contacts, leader_of(scene, number)) > 0
+    if (yes) yes = self_card(scene%contacts, contact_leader(scene, number)) > 0
   end function contact_self
 
   !> The card by which a body touches itself, the one that names it before one for all; 0: none.
@@ -192,14 +193,6 @@ contains
     end do
   end subroutine group_bodies
 
-  !> The first body of a body's group by a card, itself where it has none.
-  pure function leader_of(scene, b) result(leader)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: b
-    integer :: leader
-    leader = merge(scene%bodies(b)%leader, b, scene%bodies(b)%leader > 0)
-  end function leader_of
-
   !> Whether two fields are a pair already.
   pure function is_listed(pairs, field) result(yes)
     type(contact_pair_t), intent(in) :: pairs(:)
@@ -219,7 +212,7 @@ contains
     type(slots_t), intent(inout) :: slots
     integer :: c
     do c = 1, size(scene%contacts)
-      if (.not. any(scene%contacts(c)%body == leader_of(scene, number) .or. &
+      if (.not. any(scene%contacts(c)%body == contact_leader(scene, number) .or. &
                     scene%contacts(c)%body == 0)) cycle
       call slots_ask(slots, 'surface', [contact_no_surface])
       if (contact_self(scene, number)) call slots_ask(slots, 'patch', [0.0_dp])
