@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -18,6 +19,9 @@ PIECE, PIECES = (int(number) for number in os.environ.get("SGMP_TEST_PIECE", "1/
 FULL = os.environ.get("SGMP_TEST_FULL", "") not in ("", "0")
 # The mutation tool asks whether anything fails, not what.
 FIRST_ENDS = os.environ.get("SGMP_TEST_FIRST_ENDS", "") not in ("", "0")
+# What runs have written is removed where nothing has failed: all tests together write gigabytes.
+KEEP = os.environ.get("SGMP_TEST_KEEP", "") not in ("", "0")
+FOUND = set(os.listdir(SCRATCH))
 
 # Gas that fills a box from one side of it, {dimension} as the deck has it: volumes are kept.
 KEPT = """
@@ -435,6 +439,22 @@ def run(name, deck, threads=1, options=(), timeout=300, **settings):
     return Run(done.returncode, done.stdout.decode("utf-8", "replace"), folder)
 
 
+def remove(result):
+    """Removes the folder of a run whose files are not needed any more."""
+    if not KEEP:
+        shutil.rmtree(result.folder, ignore_errors=True)
+
+
+def tidy():
+    """Removes from the scratch folder what was not in it when the script began."""
+    for name in set(os.listdir(SCRATCH)) - FOUND if not KEEP else ():
+        path = os.path.join(SCRATCH, name)
+        if os.path.isdir(path) and not os.path.islink(path):
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            os.remove(path)
+
+
 class Report:
     """Counts what is checked and what is wrong."""
 
@@ -464,4 +484,6 @@ class Report:
     def end(self):
         """Last line and exit code."""
         print(f"{self.checks} checks, {self.failures} failures")
+        if not self.failures:
+            tidy()
         sys.exit(1 if self.failures or not self.checks else 0)
