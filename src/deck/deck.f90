@@ -7,11 +7,11 @@ module sgmp_deck
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
-  use sgmp_default_contact, only: default_contact_settle
+  use sgmp_default_contact, only: default_contact_settle, solids_flow, solids_side
   use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, &
                                gas_on_rigid, gas_sides
   use sgmp_fast_scenes, only: fast_scene_settle, liquid_thrown
-  use sgmp_features, only: features_split_gas
+  use sgmp_features, only: features_split_gas, features_split_solids
   use sgmp_file_units, only: convert_files
   use sgmp_graded_bodies, only: graded_bodies_settle
   use sgmp_keys, only: key_t, kind_expression, kind_interval, kind_vector
@@ -84,6 +84,7 @@ contains
     call settle_method(cards, draft%scene)
     call fast_scene_settle(draft%scene)
     call particle_number_settle(draft%scene)
+    call settle_halves(cards, draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)
     call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)
@@ -145,16 +146,26 @@ contains
     end associate
   end subroutine settle_method
 
-  !> Whether volumes are kept, and particles of gas parted.
+  !> Which particles are split, where the deck leaves it open.
+  subroutine settle_halves(cards, scene)
+    type(deck_card_t), intent(in) :: cards(:)
+    type(scene_t), intent(inout) :: scene
+    if (.not. combinations_parts(cards)) return
+    if (scene%method%volumes_auto .and. combinations_choose(cards, 'kept') .and. &
+        gas_may_part(scene)) then
+      call features_split_gas(scene%features, scene%dimension, gas_sides(scene), gas_alone(scene))
+    end if
+    if (solids_flow(scene)) then
+      call features_split_solids(scene%features, scene%dimension, solids_side(scene))
+    end if
+  end subroutine settle_halves
+
+  !> Whether volumes are kept.
   subroutine settle_volumes(cards, scene)
     type(deck_card_t), intent(in) :: cards(:)
     type(scene_t), intent(inout) :: scene
     logical :: gas_free                            !! the deck leaves open what becomes of gas
     gas_free = combinations_choose(cards, 'kept')
-    if (gas_free .and. gas_may_part(scene) .and. combinations_parts(cards)) then
-      call features_split_gas(scene%features, scene%dimension, gas_sides(scene), &
-                              gas_alone(scene))
-    end if
     scene%method%volumes_kept = gas_free .and. (gas_alone(scene) .or. gas_burns(scene) .or. &
                                        gas_in_gas(scene) .or. gas_on_rigid(scene) .or. &
                                        liquid_thrown(scene))

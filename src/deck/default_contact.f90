@@ -4,8 +4,6 @@
 !!
 !! * solids touch without friction;
 !! * but those that share a surface at the start and move alike there are bonded, as by a `group`;
-!! * and in a scene faster than a tenth of their speed of sound they share a velocity field: contact
-!!   does not keep metals that flow far out of each other;
 !! * a solid and a liquid touch, unless the liquid lies on it at the start and moves with it.
 !!
 !! Where any of these touch, solids touch gases, too; where none does, all bodies share one field.
@@ -19,7 +17,7 @@ module sgmp_default_contact
   use sgmp_turn, only: turn_back, turn_box
   implicit none
   private
-  public :: contact_leader, default_contact_settle
+  public :: contact_leader, default_contact_settle, solids_flow, solids_side
 
   real(dp), parameter :: joined = 1.0e-4_dp   !! cells: so near, surfaces are one
   real(dp), parameter :: wide = 0.5_dp        !! cells: so far that is to reach
@@ -55,25 +53,49 @@ contains
   subroutine bond(scene, apart)
     type(scene_t), intent(inout) :: scene
     logical, intent(out) :: apart(:, :)          !! which pairs shall touch
-    real(dp) :: speed
     integer :: a, b
     apart = .false.
-    speed = largest_speed_of(scene)
     do a = 1, size(scene%bodies)
       do b = a + 1, size(scene%bodies)
         if (.not. concerns(scene, a, b)) cycle
         if (is_named(scene, a, b) .or. in_one_group(scene, a, b)) cycle
         apart(a, b) = .not. are_bonded(scene, a, b)
-        if (is_liquid(scene, a) .or. is_liquid(scene, b)) cycle
-        if (apart(a, b)) then
-          apart(a, b) = .not. is_fast(scene, a, b, speed)
-          cycle
-        end if
+        if (apart(a, b) .or. is_liquid(scene, a) .or. is_liquid(scene, b)) cycle
         apart(a, b) = .not. may_share(scene, a, b)
         if (.not. apart(a, b)) call join(scene, a, b)
       end do
     end do
   end subroutine bond
+
+  !> Whether solids touch in a scene so fast that they flow along each other: without more, contact
+  !! does not keep metals that are stretched far out of each other.
+  function solids_flow(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    real(dp) :: speed
+    integer :: a, b
+    yes = .false.
+    if (scene%dimension == 1 .or. size(scene%contacts) == 0) return
+    speed = largest_speed_of(scene)
+    do a = 1, size(scene%bodies)
+      if (.not. is_solid(scene, a)) cycle
+      do b = a + 1, size(scene%bodies)
+        if (.not. is_solid(scene, b)) cycle
+        if (.not. is_named(scene, a, b) .or. in_one_group(scene, a, b)) cycle
+        yes = is_fast(scene, a, b, speed)
+        if (yes) return
+      end do
+    end do
+  end function solids_flow
+
+  !> Longest side of the particles of solids at the start (cells).
+  pure function solids_side(scene) result(side)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: side
+    integer :: b
+    side = maxval([(scene%bodies(b)%spacing, b=1, size(scene%bodies))], &
+                  mask=[(is_solid(scene, b), b=1, size(scene%bodies))])/scene%grid%cell
+  end function solids_side
 
   !> Whether two solids flow into each other like liquids in a scene as fast as this.
   pure function is_fast(scene, a, b, speed) result(yes)

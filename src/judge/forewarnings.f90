@@ -14,7 +14,7 @@ module sgmp_forewarnings
   use sgmp_judge_collisions, only: projectile_narrow, projectile_wanted
   use sgmp_kernels, only: kernel_sgmp
   use sgmp_kinds, only: dp, i8, lanes
-  use sgmp_meetings, only: extent_t, meetings_collide, meetings_extent
+  use sgmp_meetings, only: extent_t, meetings_bonded, meetings_collide, meetings_extent
   use sgmp_mesh, only: mesh_find, mesh_occupied, wall_free
   use sgmp_model, only: model_t
   use sgmp_near_parts, only: near_parts
@@ -235,8 +235,7 @@ contains
     found = 0
     do a = 1, size(scene%bodies)
       do b = a + 1, size(scene%bodies)
-        if (scene%bodies(a)%leader == 0 .or. scene%bodies(a)%leader /= scene%bodies(b)%leader) cycle
-        if (scene%bodies(a)%group /= '' .and. scene%bodies(a)%group == scene%bodies(b)%group) cycle
+        if (.not. meetings_bonded(scene, a, b)) cycle
         found = found + 1
         if (found == 1) first = [a, b]
       end do

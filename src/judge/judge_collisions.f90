@@ -19,6 +19,7 @@ module sgmp_judge_collisions
   use sgmp_fast_scenes, only: speed_at_start, velocity_at_start
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
+  use sgmp_meetings, only: extent_t, meetings_extent, meetings_met
   use sgmp_mesh, only: wall_free
   use sgmp_model, only: model_t
   use sgmp_near_walls, only: near_walls
@@ -37,6 +38,7 @@ module sgmp_judge_collisions
   real(dp), parameter :: bounce_weight = 0.65_dp  !! squares of 10 to 40 cells: 0.58 to 0.65
   real(dp), parameter :: rigid_weight = 1.4_dp    !! on a rigid body, 5 to 40 cells: 0.93 to 1.37
   real(dp), parameter :: cover_weight = 0.9_dp    !! one that covers it, 8 to 32 cells: 0.5 to 0.87
+  real(dp), parameter :: shorter = 0.75_dp, longer = 4.0_dp/3.0_dp  !! than a plate was that flows
   real(dp), parameter :: plate_weight = 0.6_dp    !! metals, 4 to 40 cells: 0.1 to 0.7
   real(dp), parameter :: most_error = 0.35_dp     !! of what is coarse: 0.33 found
   real(dp), parameter :: least_parting = 0.02_dp  !! of the velocity with which bodies met
@@ -56,7 +58,6 @@ module sgmp_judge_collisions
   real(dp), parameter :: ring_slender = 5.5_dp    !! radius over thickness: at 6.7 they lack 6 %
   real(dp), parameter :: bounce_cells = 16.0_dp   !! from here on the error is below 0.05 or so
   real(dp), parameter :: least_error = 0.1_dp     !! of what is coarse
-  real(dp), parameter :: least_blow = 0.1_dp      !! impulse, over what the lighter body could have
 
   ! Projectiles that make their way through matter that fails: the way is wider than they are by a
   ! part of a cell on each side, so they are slowed too much (doc/verdict.md).
@@ -71,7 +72,7 @@ module sgmp_judge_collisions
 
 contains
 
-  !> Bodies that bounce off each other, where nothing else acts on them.
+  !> Bodies that bounce off each other, where nothing else acts on them; all ranks must call it.
   subroutine judge_collisions(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -88,7 +89,7 @@ contains
     allocate (row(0))
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
-        if (.not. have_met(scene, model, pair)) cycle
+        if (.not. meetings_met(scene, model, pair)) cycle
         flat = [(bounces(scene, model, pair%body(b)), b=1, 2)]
         round = [(rebounds(scene, model, pair%body(b)), b=1, 2)]
         if (all(flat .or. model%bodies(pair%body)%rigid)) then
@@ -96,6 +97,7 @@ contains
         else if (all(flat .or. round .or. model%bodies(pair%body)%rigid)) then
           call expect_round(opinion, scene, model, pair)
         else if (all([(is_plate(scene, model, pair%body(b)), b=1, 2)])) then
+          if (any([(reshaped(scene, model, pair%body(b)), b=1, 2)])) cycle
           call expect_plates(opinion, scene, model, pair)
         end if
       end associate
@@ -103,21 +105,6 @@ contains
     end do
     if (size(row) > 0) call expect_row(opinion, scene, model, model%contact%pairs(row))
   end subroutine judge_collisions
-
-  !> Whether two bodies, one of which deforms, have given each other a blow.
-  pure function have_met(scene, model, pair) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    type(contact_pair_t), intent(in) :: pair
-    logical :: yes
-    real(dp) :: mass, speed2
-    yes = all(pair%body <= size(scene%bodies))  ! no twin
-    if (yes) yes = .not. all(model%bodies(pair%body)%rigid)
-    if (.not. yes) return
-    speed2 = 2.0_dp*model%ledger%supplied/max(sum(model%totals%bodies%mass), tiny(1.0_dp))
-    mass = minval(model%totals%bodies(pair%body)%mass, mask=.not. model%bodies(pair%body)%rigid)
-    yes = sum(pair%impulse**2) >= least_blow**2*mass**2*speed2
-  end function have_met
 
   !> Elastic bodies with flat faces that have met, or one that has met a rigid body: in a row of
   !! them each hands on what the one before has kept. Told of the pair that loses most.
@@ -186,6 +173,23 @@ contains
                         ', '//real_text_about(cells)//' cells thick, bounce off each other: '// &
                         'their velocities after it want smaller cells')
   end subroutine expect_plates
+
+  !> Whether a body has become another: it has flowed into the other one, and did not bounce. All
+  !! ranks must call it.
+  function reshaped(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    logical :: yes
+    real(dp) :: lower(3), upper(3), change(model%mesh%ndim)
+    type(extent_t) :: now
+    integer :: d
+    now = meetings_extent(model, b)
+    call shapes_box(scene%bodies(b)%shapes, lower, upper)
+    change = [((now%upper(d) - now%lower(d))*model%mesh%h/(upper(d) - lower(d)), &
+               d=1, model%mesh%ndim)]
+    yes = any(change < shorter .or. change > longer)
+  end function reshaped
 
   !> Two elastic bodies that have met, one of them at least not flat. Disks and balls of few cells
   !! lose energy to vibrations, and turn, for they touch in less than a cell or in a few; rings lose

@@ -1,6 +1,6 @@
-!> Which bodies fly into each other, and which of them stick together for want of contact.
+!> Which bodies meet, and which of them stick together though no card says that they shall.
 module sgmp_meetings
-  use sgmp_constitutive, only: law_is_spherical
+  use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_fast_scenes, only: velocity_at_start
   use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp
@@ -8,15 +8,13 @@ module sgmp_meetings
   use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max, parallel_min
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shapes_box
   use sgmp_text, only: integer_text
   implicit none
   private
-  public :: extent_t, judge_stuck, meetings_collide, meetings_extent
+  public :: extent_t, judge_bonds, judge_stuck, meetings_bonded, meetings_collide, &
+            meetings_extent, meetings_met
 
-  real(dp), parameter :: fast = 0.25_dp        !! of c + |v|: what is faster flows, whether
-                                               !! it sticks or slides
-  real(dp), parameter :: least_blow = 0.1_dp   !! of the velocity that one has as the other sees it
+  real(dp), parameter :: least_blow = 0.1_dp  !! impulse, over what the lighter body could have
   real(dp), parameter :: stuck_error = 0.25_dp
 
   !> Where a body is and how it moves, in lengths or in cells.
@@ -27,8 +25,8 @@ module sgmp_meetings
 
 contains
 
-  !> Solids that have met and share a velocity field, though the deck does not call them a group:
-  !! they neither slide nor part. These are too many, or too fast (sgmp_default_contact).
+  !> Bodies that share a velocity field, though the deck does not call them a group, because they
+  !! are too many (sgmp_default_contact): they neither slide nor part.
   subroutine judge_stuck(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -39,65 +37,78 @@ contains
                           integer_text(scene%many_groups)//' bodies, which stick together '// &
                           'where they meet: more than 64 touch only if it is asked for; write '// &
                           'contact all, or make them groups')
-      return
     end if
-    do a = 1, size(scene%bodies)
-      do b = a + 1, size(scene%bodies)
-        if (.not. stick(scene, model, a, b)) cycle
-        call opinion%expect(stuck_error, "bodies '"//trim(model%bodies(a)%name)//"' and '"// &
-                            trim(model%bodies(b)%name)//"' have met and stick together, since "// &
-                            'no card contact is for them: they neither slide nor part; write '// &
-                            'contact all, or make them a group if they shall stick')
-        return
-      end do
-    end do
   end subroutine judge_stuck
 
-  !> Whether two solids stick that have flown into each other.
-  function stick(scene, model, a, b) result(yes)
+  !> Solids that are bonded because they share a surface at the start, which another body has hit:
+  !! whether a blow parts them the deck does not say.
+  subroutine judge_bonds(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
+    integer :: a, b, p, side
+    if (.not. differ(scene, model%mesh%ndim)) return
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p))
+        if (.not. meetings_met(scene, model, pair)) cycle
+        do side = 1, 2
+          do a = 1, size(scene%bodies)
+            if (model%bodies(a)%field /= pair%field(side)) cycle
+            do b = a + 1, size(scene%bodies)
+              if (.not. meetings_bonded(scene, a, b)) cycle
+              call opinion%object("'"//trim(model%bodies(a)%name)//"' and '"// &
+                                  trim(model%bodies(b)%name)//"' are bonded, since they share "// &
+                                  'a surface at the start, and were hit: whether a blow parts '// &
+                                  'them is not said; write contact all if it does, or make '// &
+                                  'them a group')
+              return
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine judge_bonds
+
+  !> Whether two bodies are bonded though no card says so.
+  pure function meetings_bonded(scene, a, b) result(yes)
+    type(scene_t), intent(in) :: scene
     integer, intent(in) :: a, b
     logical :: yes
-    type(extent_t) :: of(2)
-    integer :: k, pair(2)
-    pair = [a, b]
-    yes = model%bodies(a)%field == model%bodies(b)%field .and. .not. &
-          (scene%bodies(a)%leader > 0 .and. scene%bodies(a)%leader == scene%bodies(b)%leader)
-    yes = yes .and. .not. any([(law_is_spherical(model%bodies(pair(k))%law), k=1, 2)])
-    yes = yes .and. .not. any(model%bodies(pair)%rigid) .and. &
-          all(model%totals%bodies(pair)%mass > 0.0_dp) .and. &
-          all([(allocated(scene%bodies(pair(k))%shapes), k=1, 2)])
-    if (.not. yes) return
-    do k = 1, 2
-      call shapes_box(scene%bodies(pair(k))%shapes, of(k)%lower, of(k)%upper)
-      of(k)%velocity = velocity_at_start(scene, pair(k), model%mesh%ndim)
-      of(k)%lower(model%mesh%ndim + 1:) = 0.0_dp
-      of(k)%upper(model%mesh%ndim + 1:) = 0.0_dp
-    end do
-    yes = have_hit(scene, model, pair, of)
-  end function stick
+    associate (one => scene%bodies(a), two => scene%bodies(b))
+      yes = one%leader > 0 .and. one%leader == two%leader .and. .not. &
+            (one%group /= '' .and. one%group == two%group)
+    end associate
+  end function meetings_bonded
 
-  !> Whether bodies were on their way to each other, and one was slowed as the other sees it.
-  function have_hit(scene, model, pair, of) result(yes)
+  !> Whether bodies begin with different velocities.
+  pure function differ(scene, ndim) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: ndim
+    logical :: yes
+    real(dp) :: first(3)
+    integer :: b
+    yes = .false.
+    if (size(scene%bodies) == 0) return
+    first = velocity_at_start(scene, 1, ndim)
+    do b = 2, size(scene%bodies)
+      yes = yes .or. any(abs(velocity_at_start(scene, b, ndim) - first) > 0.0_dp)
+    end do
+  end function differ
+
+  !> Whether two bodies, one of which deforms, have given each other a blow.
+  pure function meetings_met(scene, model, pair) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer, intent(in) :: pair(2)
-    type(extent_t), intent(in) :: of(2)          !! at the start
+    type(contact_pair_t), intent(in) :: pair
     logical :: yes
-    real(dp) :: relative(3), lost(3), blow
-    integer :: k
-    relative = of(1)%velocity - of(2)%velocity
-    yes = meetings_collide(of(1), of(2), scene%time%end) .and. &
-          norm2(relative) < fast*model%findings%fastest
-    blow = 0.0_dp
-    do k = 1, 2
-      lost = model%totals%bodies(pair(k))%momentum/model%totals%bodies(pair(k))%mass - &
-             of(k)%velocity
-      blow = max(blow, sum(lost*relative)*merge(-1.0_dp, 1.0_dp, k == 1))
-    end do
-    yes = yes .and. blow >= least_blow*sum(relative**2)
-  end function have_hit
+    real(dp) :: mass, speed2
+    yes = all(pair%body <= size(scene%bodies))  ! no twin
+    if (yes) yes = .not. all(model%bodies(pair%body)%rigid)
+    if (.not. yes) return
+    speed2 = 2.0_dp*model%ledger%supplied/max(sum(model%totals%bodies%mass), tiny(1.0_dp))
+    mass = minval(model%totals%bodies(pair%body)%mass, mask=.not. model%bodies(pair%body)%rigid)
+    yes = sum(pair%impulse**2) >= least_blow**2*mass**2*speed2
+  end function meetings_met
 
   !> Where the particles of a body are (cells); all ranks must call it.
   function meetings_extent(model, b) result(extent)

@@ -23,7 +23,7 @@ module sgmp_verdict
   use sgmp_judge_waves, only: judge_waves
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp
-  use sgmp_meetings, only: judge_stuck
+  use sgmp_meetings, only: judge_bonds, judge_stuck
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t, reason_length
   use sgmp_parallel, only: parallel_any
@@ -106,6 +106,7 @@ contains
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
     call judge_stuck(self%opinion, scene, model)
+    call judge_bonds(self%opinion, scene, model)
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)

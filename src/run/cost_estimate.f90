@@ -7,6 +7,7 @@ module sgmp_cost_estimate
   use sgmp_body, only: body_group, body_particle, body_t
   use sgmp_constitutive, only: constitutive_t, law_is_spherical, law_liquid, material_names
   use sgmp_contact, only: contact_between
+  use sgmp_features, only: features_split_unasked
   use sgmp_field, only: field_bytes
   use sgmp_forewarnings, only: shape_mass
   use sgmp_graded_estimate, only: graded_estimate_lines
@@ -49,6 +50,9 @@ contains
     end if
     call put('method      '//trim(method_names(scene%method%kind))//', '// &
              trim(update_names(scene%method%update)))
+    if (features_split_unasked(scene%features) /= '') then
+      call put('  default   '//features_split_unasked(scene%features))
+    end if
     call put('grid        cell '//real_text(model%mesh%h)//', active points '// &
              integer_text(sum(rows_points(model%fields%work)))//' (stored '// &
              integer_text(sum(model%fields%points))//'), '// &

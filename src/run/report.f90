@@ -7,6 +7,7 @@ module sgmp_report
   use sgmp_energy, only: ledger_drift, ledger_total
   use sgmp_energy_terms, only: energy_term_t, terms_value
   use sgmp_errors, only: error_t, exit_ok, exit_stopped
+  use sgmp_features, only: features_split_limit
   use sgmp_forewarnings, only: forewarnings_find, gas_enclosed
   use sgmp_grid_fit, only: grid_fit_moved
   use sgmp_kernels, only: kernel_sgmp, method_names
@@ -309,6 +310,8 @@ contains
     call summary%set('volumes', trim(merge('kept ', 'plain', model%method%relaxed)))
     call summary%set('drift', trim(merge('remapped', 'plain   ', &
                                          any(model%fields%columns%remapped))))
+    call summary%set('split_limit', features_split_limit(scene%features))
+    call summary%set('contact', contact_word(scene))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else
@@ -325,6 +328,18 @@ contains
     call summary%set('units.mass', trim(scene%units(2)))
     call summary%set('units.time', trim(scene%units(3)))
   end subroutine summarise_scene
+
+  !> Where contact comes from.
+  pure function contact_word(scene) result(word)
+    type(scene_t), intent(in) :: scene
+    character(:), allocatable :: word
+    word = 'deck'
+    if (size(scene%contacts) == 0) then
+      word = 'none'
+    else if (any(scene%contacts%unasked)) then
+      word = 'default'
+    end if
+  end function contact_word
 
   !> Steps, seconds and bytes.
   subroutine summarise_effort(summary, model, effort)

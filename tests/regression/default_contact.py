@@ -5,6 +5,8 @@ leaves it, a card `group` bonds, and words at the start and of --check say what 
 
 usage: default_contact.py SGMP SOURCE_DIR SCRATCH_DIR
 """
+import os
+
 from _runs import Report, run
 
 BARS = """
@@ -61,6 +63,22 @@ body slug block material=water lower=0 upper=8
 body plate block material=copper lower=8.3 upper=9.3
 velocity slug x=100
 history steps=20
+"""
+# A rod without strength goes into a block without any.
+JET = """
+parameter split = auto
+parameter t_end = 80
+dimension 2
+grid cell=0.25 x=0:open y=open
+wall x-=slip
+method sgmp split=$split
+time end=t_end cfl=0.4
+material a j2 density=1 young=1 poisson=0.3 yield=1e-4
+body rod block material=a lower=(0,0) upper=(1,12) ppc=2
+body target block material=a lower=(0,-12) upper=(8,0) ppc=2
+velocity rod y=-0.2
+history steps=50
+output csv at=end
 """
 report = Report()
 
@@ -153,6 +171,26 @@ def rows():
         report.check("b0 b1" in pairs, f"{number} blocks: {pairs}")
 
 
+def jet():
+    """Where rod and block meet moves at half of the rod's velocity, for the pressure on both sides of it is the same;
+    no part of the rod is inside the block, for the particles of both are split; without that it is, and is doubted."""
+    halfway, result = run("jet_halfway", JET, t_end=40), run("jet", JET)
+    if report.finished(halfway, "half a jet") and report.finished(result, "jet"):
+        depths = [min(row["y"] for row in done.table("particles_end.csv") if row["body"] in (1, "rod"))
+                  for done in (halfway, result)]
+        speed = (depths[0] - depths[1])/40
+        report.check(abs(speed/0.1 - 1) < 0.1, f"jet: the hole's bottom moves at {speed}, not 0.1: {depths}")
+        report.check(result["verdict"] == "sound" and result["end_state.particles_inside_other_bodies"] == 0,
+                     f"jet: {result['verdict_reasons']} {result['end_state']}")
+        chosen = result["split_limit"], result["contact"]
+        report.check(chosen == (0.75, "default"), f"jet: {chosen}")
+    whole = run("jet_whole", JET, split="none")
+    report.check(whole["verdict"] == "doubtful" and whole["end_state.particles_inside_other_bodies"] > 100,
+                 f"jet, not split: {whole['verdict_reasons']} {whole['end_state']}")
+    text = run("jet_told", JET, options=("--check",)).text
+    report.check("particles of solids longer than 0.75 cells are split, one in 16 at most" in text, text)
+
+
 def told():
     """--check says what is done."""
     deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
@@ -167,5 +205,6 @@ layers()
 lifted()
 slug()
 rows()
+jet()
 told()
 report.end()

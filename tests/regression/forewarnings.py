@@ -85,7 +85,7 @@ CASES = [
     # away, nor beside each other; solids stick that are so fast.
     ({"speed": 2.9, **GAS}, None),
     ({"speed": 3.1, **GAS}, STICK),
-    ({"speed": 3.1}, STICK),
+    ({"speed": 3.1}, None),
     ({"speed": -9, **GAS}, None),
     ({"speed": 3.1, "time": "dt=0.1 end=2", **GAS, "more": GAS["more"] + "\ncontact all"}, None),
     ({"speed": 0.1, "time": "dt=0.1 steps=3", **GAS}, STICK),

@@ -1323,39 +1323,40 @@ def layouts(report):
                     )
 
 
-# A block flies onto another one, and no card says what happens where they meet.
-
-
-def stuck(report):
-    """Solids that are too fast to touch without a card, and have met, are told, but where they are a group, have
-    contact, have not met, or are so fast that all flows; so are more bodies than touch without a card."""
-    words = "have met and stick together"
-    coarse(report, "stuck", STUCK, words, 0.25)
-    for name, deck, settings in (
-        ("group", STUCK + "group both low,high\n", {}), ("touch", STUCK + "contact all\n", {}), ("slow", STUCK, {
-            "speed": 0.05}), ("away", STUCK.replace("y=-speed", "y=speed"), {}), ("beside", STUCK.replace(
-                "(5,11)", "(31,11)").replace("(15,21)", "(41,21)"), {}),
-        ("early", STUCK.replace("end=20", "end=5"), {}),
-    ):
-        result = run(f"stuck_{name}", deck, **settings)
-        if report.finished(result, name):
-            report.check(not any(words in why for why in result["verdict_reasons"]),
-                         f"{name}: {result['verdict_reasons']}")
+def crowds(report):
+    """More bodies than touch without a card are told."""
     head = STUCK[:STUCK.index("body low")].replace("time end=20", "time end=1")
     for number in (64, 65):
         deck = head + "".join(f"body b{i} block material=a lower=({3*i},0) upper=({3*i + 2},4) ppc=2\n"
                               for i in range(number))
-        result = run(f"stuck_{number}", deck)
+        result = run(f"crowd_{number}", deck)
         if report.finished(result, number):
             told = any("no card contact is for 65 bodies" in why for why in result["verdict_reasons"])
             report.check(told == (number > 64), f"{number} bodies: {result['verdict_reasons']}")
+
+
+def bonds(report):
+    """Blocks that share a surface are bonded; the verdict doubts that where a blow hits them, but not where they are a
+    group, touch, fly as one, or are not reached."""
+    words = "are bonded, since they share a surface at the start, and were hit"
+    deck = STUCK + "body lowest block material=a lower=(0,-10) upper=(20,0) ppc=2\n"
+    doubts(report, "bonds", deck, "'low' and 'lowest' " + words)
+    for name, text, settings in (
+        ("group", deck + "group both low,lowest\n", {}), ("touch", deck + "contact all\n", {}),
+        ("one", deck.replace("velocity high", "velocity all"), {}), ("early", deck.replace("end=20", "end=5"), {}),
+    ):
+        result = run(f"bonds_{name}", text, **settings)
+        if report.finished(result, name):
+            report.check(not any(words in why for why in result["verdict_reasons"]),
+                         f"{name}: {result['verdict_reasons']}")
 
 
 def main():
     """All of them."""
     report = Report()
     criteria(report)
-    stuck(report)
+    crowds(report)
+    bonds(report)
     soft_balls(report)
     splashes_in(report)
     everywhere(report)

@@ -22,7 +22,8 @@ contains
                       'many cells are split in two along it, fluids by their volume; 0.75 '// &
                       'leaves no gaps; auto: those of gas and explosives alone, 1 where '// &
                       'nothing else moves in a box of walls, else 0.75 and a few times '// &
-                      'only; with method sgmp update=musl', &
+                      'only, and so those of solids that touch in a scene faster than a '// &
+                      'tenth of their speed of sound', &
                       range='[0.25,2]', choices='auto none', &
                       default='auto', source='doc/volumes.md, 5')
     call registry%key('split_most', kind_integer, 'more particles than these after splitting '// &
