@@ -79,9 +79,9 @@ contains
     speed = largest_speed_of(scene)
     do a = 1, size(scene%bodies)
       if (.not. is_solid(scene, a)) cycle
-      do b = a + 1, size(scene%bodies)
-        if (.not. is_solid(scene, b)) cycle
-        if (.not. is_named(scene, a, b) .or. in_one_group(scene, a, b)) cycle
+      do b = a, size(scene%bodies)
+        if (.not. (is_solid(scene, b) .and. is_named(scene, a, b))) cycle
+        if (in_one_group(scene, a, b) .and. .not. touches_itself(scene, a)) cycle
         yes = is_fast(scene, a, b, speed)
         if (yes) return
       end do
@@ -165,6 +165,21 @@ contains
       end associate
     end do
   end function is_named
+
+  !> Whether a card `contact` lets a body touch itself.
+  pure function touches_itself(scene, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b
+    logical :: yes
+    integer :: c
+    yes = .false.
+    do c = 1, size(scene%contacts)
+      associate (card => scene%contacts(c))
+        yes = yes .or. (card%self .and. any(card%body == 0 .or. &
+                                            card%body == contact_leader(scene, b)))
+      end associate
+    end do
+  end function touches_itself
 
   !> The first body of a body's group, itself where it has none.
   pure function contact_leader(scene, b) result(leader)
