@@ -76,6 +76,10 @@ contains
     call registry%key('reactions', kind_logical, 'yes: what each slip or fixed wall does to '// &
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
+    call registry%key('shift', kind_word, 'auto: walls that nothing touches at the start are '// &
+                      'a cell farther out, for solids that fly at a wall rest a cell before it; '// &
+                      'none: they are not', choices='auto none', default='auto', &
+                      source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
                       'bear what goes on pushing there, by springs beside the dashpots; '// &
                       'default: no springs', unit='length', source='doc/loads.md')
@@ -286,6 +290,7 @@ contains
     integer :: axis, side
     draft%scene%grid%walls_location = card%position%text()
     draft%scene%grid%reactions = card%flag('reactions')
+    draft%scene%grid%shifts = card%word('shift') == 'auto'
     draft%scene%grid%springs = card%has('centre')
     if (card%has('centre')) draft%scene%grid%source = card%vector('centre')
     do axis = 1, 3

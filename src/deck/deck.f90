@@ -27,6 +27,7 @@ module sgmp_deck
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
   use sgmp_units, only: units_check
+  use sgmp_walls_apart, only: walls_apart_settle
   implicit none
   private
   public :: deck_read
@@ -87,6 +88,7 @@ contains
     call settle_halves(cards, draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)
+    if (draft%errors%count() == 0) call walls_apart_settle(draft%scene)
     call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)
     call drop_overridden(cards)
     if (draft%errors%count() == 0) then

@@ -93,6 +93,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(string_t), allocatable :: lines(:)
     character(1) :: name
+    real(dp) :: ends(2)
     integer :: axis, n
     allocate (lines(scene%dimension))
     n = 0
@@ -101,8 +102,10 @@ contains
         if (any(grid%open(:, axis)) .or. .not. grid%moved(axis)) cycle
         name = axis_names(axis, scene_space(scene))
         n = n + 1
-        lines(n)%text = 'grid '//name//'='//real_text_tidy(grid%lower(axis))//':'// &
-                        real_text_tidy(grid%upper(axis))//' in the place of '// &
+        ends = [grid%lower(axis), grid%upper(axis)] + &
+               merge([grid%cell, -grid%cell], 0.0_dp, grid%shifted(:, axis))  ! sgmp_walls_apart
+        lines(n)%text = 'grid '//name//'='//real_text_tidy(ends(1))//':'// &
+                        real_text_tidy(ends(2))//' in the place of '// &
                         real_text_tidy(grid%asked(1, axis))//':'// &
                         real_text_tidy(grid%asked(2, axis))//': a whole number of cells of '// &
                         real_text_plain(grid%cell)//'; ends without a wall have moved'

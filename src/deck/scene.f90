@@ -53,6 +53,8 @@ module sgmp_scene
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     real(dp) :: asked(2, 3) = 0.0_dp                !! the same as the deck has them
     logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
+    logical :: shifts = .true.                      !! walls that nothing touches are put outwards
+    logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): this one is
     type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     type(graded_axis_t) :: axes(3)                  !! whose cells are unequal

@@ -157,7 +157,7 @@ contains
     end do
     call native%add(grid)
     if (mpm3d_given(deck, 'fixe')) call native%from(mpm3d_place(deck, 'fixe'))
-    if (wall /= '') call native%add('wall'//wall)
+    if (wall /= '') call native%add('wall'//wall//' shift=none')
     if (free /= '') call native%add('lost remove  ! through'//free)
     call note_space(deck, wall /= '', free, notes)
   end subroutine write_space

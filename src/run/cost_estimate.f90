@@ -27,6 +27,7 @@ module sgmp_cost_estimate
   use sgmp_time_step, only: clock_choose, clock_t, limit_names
   use sgmp_trial, only: trial_t
   use sgmp_update, only: update_names
+  use sgmp_walls_apart, only: walls_apart_lines
   implicit none
   private
   public :: cost_estimate_write, cost_estimate_write_advice, cost_estimate_write_need, &
@@ -60,6 +61,10 @@ contains
              ' values each, '// &
              bytes_text(sum([(field_bytes(model%fields(b)), b=1, size(model%fields))])))
     moved = grid_fit_moved(scene)
+    do b = 1, size(moved)
+      call put('  '//moved(b)%text)
+    end do
+    moved = walls_apart_lines(scene)
     do b = 1, size(moved)
       call put('  '//moved(b)%text)
     end do

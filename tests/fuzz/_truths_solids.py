@@ -284,7 +284,7 @@ output csv at=end fields=displacement,initial_position,stress{',temperature' if 
 
 
 class Twin(Truth):
-    """Two equal disks of a body that meet in a plane of nodes, and one of them at a wall in its place: velocity after
+    """Two equal disks of a group that meet in a plane of nodes, and one of them at a wall in its place: velocity after
     it."""
 
     def make(self):
@@ -300,9 +300,9 @@ history steps=20
 body a sphere material=m centre=({start},0) radius=0.5 ppc=2
 velocity a x={-v}
 """
-        other = f"body b sphere material=m centre=({-start},0) radius=0.5 ppc=2\nvelocity b x={v}\n"
+        other = f"body b sphere material=m centre=({-start},0) radius=0.5 ppc=2\nvelocity b x={v}\ngroup one a,b\n"
         self.v = v
-        self.decks = [head.format("", "") + other, head.format("x=0:open", "wall x-=slip\n")]
+        self.decks = [head.format("", "") + other, head.format("x=0:open", "wall x-=slip shift=none\n")]
 
     def errors(self, results):
         ends = [body_end(result, "a", "velocity_x") for result in results]

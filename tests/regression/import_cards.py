@@ -240,7 +240,7 @@ BECOMES = {
             "nbbo 1", "nbbo 2", "nbmp 8", "nbmp 16", "endi", "fixed 0 0 2 0 0 1\nendi", PART,
             "part block 1 1 1.0 1 3 1 1 2 2 2\npart block 1 1 1.0 1 1 1 -1 2 2 2\n",
         ],
-        ["grid cell=h x=0:open y=0:4 z=open:4", "wall y-=slip z+=fixed", "lost remove  ! through x- y+"],
+        ["grid cell=h x=0:open y=0:4 z=open:4", "wall y-=slip z+=fixed shift=none", "lost remove  ! through x- y+"],
         [
             ":11:1: approximated: particle: there are particles beyond the free face x+",
             ":12:1: approximated: particle: there are particles beyond the free face z-",
@@ -406,7 +406,7 @@ BECOMES = {
             "fixed 2 2 2 2 2 2\nendi",
         ],
         [
-            "dimension 1", "grid cell=h x=0:1", "wall x-=slip x+=slip",
+            "dimension 1", "grid cell=h x=0:1", "wall x-=slip x+=slip shift=none",
             "body body_1 block lower=0 upper=1 material=material_1 spacing=spacing",
         ],
         [

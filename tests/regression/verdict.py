@@ -726,13 +726,17 @@ def near_walls(report):
     """A body that begins less than a cell from a wall and moves towards it does not come off as it should (by more than
     half at 0.03 of the speed of sound), from farther away it does."""
     near, at = "moves towards wall y- and begins 0.5 cells away", "moves towards wall y- and begins at it"
-    for name, words, settings in (("near", near, {"gap": 0.5}), ("at", at, {"gap": 0, "t_end": 12})):
-        result = doubts(report, f"wall_{name}", DROPPED, words, **settings)
+    plain = DROPPED.replace("wall y-=slip", "wall y-=slip shift=none")
+    for name, deck, words, settings in (
+        ("near", plain, near, {"gap": 0.5}), ("at", DROPPED, at, {"gap": 0, "t_end": 12}),
+        ("beside", DROPPED, "moves towards wall y- and begins 0.2 cells away", {"gap": 0.2}),
+    ):
+        result = doubts(report, f"wall_{name}", deck, words, **settings)
         report.check(f"warning: body 'a' {words}" in result.text, f"wall_{name}: not before the run: {result.text}")
     coming = run("wall_at_coming", DROPPED, gap=0, t_end=1)  # is not back yet
     report.check(coming["verdict"] == "sound", f"wall_at_coming: {coming['verdict_reasons']}")
     for name, deck, settings in (
-        ("far", DROPPED, {"t_end": 30}), ("leaves", DROPPED, {"gap": 0.5, "speed": -0.03}),
+        ("far", DROPPED, {"t_end": 30}), ("shifted", DROPPED, {"gap": 0.5, "t_end": 12}), ("leaves", DROPPED, {"gap": 0.5, "speed": -0.03}),
         ("free", DROPPED.replace("wall y-=slip", "wall y-=free"), {"gap": 0.5}),
     ):
         result = run(f"wall_{name}", deck, **settings)
