@@ -77,8 +77,8 @@ contains
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
     call registry%key('shift', kind_word, 'auto: walls that nothing touches at the start are '// &
-                      'a cell farther out, for solids that fly at a wall rest a cell before it; '// &
-                      'none: they are not', choices='auto none', default='auto', &
+                      'a cell farther out, for solids that fly at a wall rest a cell before '// &
+                      'it; none: they are not', choices='auto none', default='auto', &
                       source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
                       'bear what goes on pushing there, by springs beside the dashpots; '// &

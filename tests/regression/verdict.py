@@ -736,7 +736,8 @@ def near_walls(report):
     coming = run("wall_at_coming", DROPPED, gap=0, t_end=1)  # is not back yet
     report.check(coming["verdict"] == "sound", f"wall_at_coming: {coming['verdict_reasons']}")
     for name, deck, settings in (
-        ("far", DROPPED, {"t_end": 30}), ("shifted", DROPPED, {"gap": 0.5, "t_end": 12}), ("leaves", DROPPED, {"gap": 0.5, "speed": -0.03}),
+        ("far", DROPPED, {"t_end": 30}), ("shifted", DROPPED, {"gap": 0.5, "t_end": 12}),
+        ("leaves", DROPPED, {"gap": 0.5, "speed": -0.03}),
         ("free", DROPPED.replace("wall y-=slip", "wall y-=free"), {"gap": 0.5}),
     ):
         result = run(f"wall_{name}", deck, **settings)
