@@ -71,7 +71,8 @@ contains
     allocate (found(size(statements)))
     n = 0
     do i = 1, size(statements)
-      call read_statement(registry, statements(i), parameters, found, n, draft%errors)
+      call read_statement(registry, statements(i), names_radius(statements), parameters, found, n, &
+                          draft%errors)
     end do
     cards = found(:n)
     call convert_files(registry, cards, draft%errors)
@@ -258,9 +259,10 @@ contains
   end subroutine check_cards
 
   !> Parameters are defined as they come; everything else becomes a card.
-  subroutine read_statement(registry, statement, parameters, cards, n, errors)
+  subroutine read_statement(registry, statement, rings, parameters, cards, n, errors)
     type(registry_t), intent(in) :: registry
     type(statement_t), intent(in) :: statement
+    logical, intent(in) :: rings             !! the deck says dimension axisymmetric somewhere
     type(parameters_t), intent(inout) :: parameters
     type(deck_card_t), intent(inout) :: cards(:)
     integer, intent(inout) :: n              !! cards so far
@@ -284,6 +286,7 @@ contains
       end if
     end associate
     n = n + 1
+    if (rings .and. .not. is_plain(registry%cards(number)%name)) parameters%axisymmetric = .true.
     call card_parse(registry%cards(number), number, statement, parameters, cards(n), errors)
     if (cards(n)%name == 'dimension') call choose_variables(cards(:n), parameters, errors)
     if (cards(n)%name == 'table') call table_define(cards(n), parameters, errors)
@@ -297,18 +300,39 @@ contains
     if (yes) yes = statement%tokens(2)%equals
   end function begins_with_key
 
+  !> Whether a card is read alike in all spaces.
+  pure logical function is_plain(name) result(yes)
+    character(*), intent(in) :: name
+    yes = any(name == [character(12) :: 'deck_version', 'title', 'units', 'table'])
+  end function is_plain
+
+  !> Whether a statement says `dimension axisymmetric`.
+  pure logical function names_radius(statements) result(yes)
+    type(statement_t), intent(in) :: statements(:)
+    integer :: i
+    yes = .false.
+    do i = 1, size(statements)
+      associate (tokens => statements(i)%tokens)
+        if (size(tokens) < 2) cycle
+        yes = yes .or. (word_lower(tokens(1)%text) == 'dimension' .and. &
+                        word_lower(tokens(2)%text) == 'axisymmetric')
+      end associate
+    end do
+  end function names_radius
+
   !> From here on formulas are functions of r and z, if the last card says so.
   subroutine choose_variables(cards, parameters, errors)
     type(deck_card_t), intent(in) :: cards(:)
     type(parameters_t), intent(inout) :: parameters
     type(deck_errors_t), intent(inout) :: errors
+    logical :: known                         !! before this card
     integer :: i
     associate (card => cards(size(cards)))
+      known = parameters%axisymmetric
       parameters%axisymmetric = card%word('value') == 'axisymmetric'
       if (.not. parameters%axisymmetric) return
-      do i = 1, size(cards) - 1
-        if (any(cards(i)%name == [character(12) :: 'deck_version', 'title', 'units', &
-                                  'table'])) cycle
+      do i = 1, merge(0, size(cards) - 1, known)
+        if (is_plain(cards(i)%name)) cycle
         call errors%add(card%position, "'dimension axisymmetric' comes after the card '"// &
                         cards(i)%name//"'", 'put it first: it names the axes of all other cards')
         return

@@ -27,7 +27,7 @@ EXPECTED = {
                      r"{d}:11:51: error: the sphere is neither about the axis nor beside it",
                      r"{d}:11:68: error: a body of revolution",
                      r"{d}:12:37: error: '0\.1\*y': unexpected 'y'", r"^10 error"],
-    "axisymmetric_late": [r"{d}:2:1: error: 'dimension axisymmetric' comes after the card 'grid'", r"^1 error"],
+    "axisymmetric_late": [r"{d}:3:1: error: 'dimension axisymmetric' comes after the card 'grid'", r"^1 error"],
     "axisymmetric_names": [r"{d}:2:18: error: there is no axis 'r' in 2D",
                            r"{d}:3:18: error: hoop=… does not go with dimension 2",
                            r"{d}:7:16: error: there is no axis 'r' in 2D", r"^3 error"],

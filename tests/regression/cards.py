@@ -134,12 +134,27 @@ stop energy_growth=$factor
                      f"energy_growth={factor}: ended at {[t/total[0] for t in total[-2:]]}")
 
 
+def late_dimension(report):
+    """The card dimension may come last, though it names the axes of the others."""
+    cards = """grid cell=1 r=0:open z=open
+time dt=0.1 steps=5
+material m elastic density=1 young=1 poisson=0.3
+body b block material=m lower=(0,0) upper=(3,4)
+velocity b r="0.01*r" z="0.02*z"
+"""
+    first = run("dimension_first", "dimension axisymmetric\n" + cards)
+    last = run("dimension_last", cards + "dimension axisymmetric\n")
+    if report.finished(first, "dimension first") and report.finished(last, "dimension last"):
+        report.check(first["checksum"] == last["checksum"], "dimension last is not as dimension first")
+
+
 def main():
     """All of it."""
     report = Report()
     explained(report)
     same_and_other(report)
     early_ends(report)
+    late_dimension(report)
     report.end()
 
 
