@@ -22,10 +22,10 @@ module sgmp_judge_collisions
   use sgmp_meetings, only: extent_t, meetings_extent, meetings_met
   use sgmp_mesh, only: wall_free
   use sgmp_model, only: model_t
-  use sgmp_near_walls, only: near_walls
+  use sgmp_near_walls, only: near_walls, near_walls_flown_at
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shape_block, shape_ring, shape_sphere, shapes_box
+  use sgmp_shapes, only: shape_block, shape_ring, shapes_box
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
   implicit none
@@ -47,7 +47,6 @@ module sgmp_judge_collisions
   real(dp), parameter :: held_cells = 80.0_dp     !! sgmp, ratio 0.3: 0.22, 0.2, 0.13 of 10, 20, 40
   real(dp), parameter :: held_error = 0.3_dp      !! 0.45: 0.26, 0.29, 0.19; gimp 0.33, 0.20, 0.08
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
-  real(dp), parameter :: soft_weight = 3.2_dp     !! metal disks of 12 to 96 cells: 1.9 to 3
   real(dp), parameter :: slowed = 0.5_dp          !! of its velocity it has lost at least so much
   real(dp), parameter :: round_weight = 0.75_dp   !! disks of 8 to 32 cells across: 0.6 to 0.75
   real(dp), parameter :: ball_patch = 0.24_dp     !! cells of the patch: 0.07 to 0.23
@@ -434,7 +433,7 @@ contains
   end subroutine judge_crowd
 
   !> Bodies that come back from a wall: those that fly against the one velocity with which they
-  !! began, and touch no other; and balls that yield at one.
+  !! began, and touch no other; and those that yield at one, which holds what has become flat.
   subroutine judge_walls(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -447,10 +446,11 @@ contains
       if (bounces(scene, model, b)) then
         if (kept_speed(scene, model, b) >= 0.0_dp) cycle
         call expect_wall(opinion, model, b, body_thickness(scene%bodies(b)%shapes, model%mesh))
-      else if (is_soft_ball(scene, model, b)) then
+      else if (yields(model, b) .and. near_walls_flown_at(scene, model, b)) then
         if (kept_speed(scene, model, b) >= slowed) cycle
-        call expect_soft_ball(opinion, model, b, &
-                              body_thickness(scene%bodies(b)%shapes, model%mesh))
+        call opinion%expect(held_error, "body '"//trim(model%bodies(b)%name)//"' yields at a "// &
+                            'wall of the grid, which does not let it go: its velocity after it '// &
+                            'wants a rigid body for the wall')
       end if
       if (size(opinion%errors) > before) return
     end do
@@ -470,31 +470,14 @@ contains
     end associate
   end function kept_speed
 
-  !> Balls and disks that yield: the wall holds each part of the face that widens a cell early.
-  subroutine expect_soft_ball(opinion, model, b, cells)
-    type(opinion_t), intent(inout) :: opinion
+  !> Whether a body is a solid that yields.
+  pure logical function yields(model, b) result(yes)
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    real(dp), intent(in) :: cells        !! across
-    if (soft_weight/cells < least_flat) return
-    call opinion%expect(max(least_error, min(most_error, soft_weight/cells)), &
-                        "body '"//trim(model%bodies(b)%name)//"', "//real_text_about(cells)// &
-                        ' cells across, yields at a wall of the grid: its velocity after it '// &
-                        'wants smaller cells, or a rigid body for the wall')
-  end subroutine expect_soft_ball
-
-  !> Whether a body is a ball or a disk that yields and cannot fail.
-  pure logical function is_soft_ball(scene, model, b) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b
-    yes = .false.
-    if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
     associate (law => model%bodies(b)%law)
-      yes = law_bends(law) .and. .not. (law_is_springy(law) .or. asked_to_fail(law)) .and. &
-            all(scene%bodies(b)%shapes%kind == shape_sphere)
+      yes = .not. model%bodies(b)%rigid .and. law_bends(law) .and. .not. law_is_springy(law)
     end associate
-  end function is_soft_ball
+  end function yields
 
   !> An elastic body that has come back from a wall. Parts of its face would leave the wall while
   !! others press on it, where it widens as it is pressed; the wall holds them for a cell.

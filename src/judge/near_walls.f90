@@ -15,7 +15,7 @@ module sgmp_near_walls
   use sgmp_turn, only: turn_box
   implicit none
   private
-  public :: near_walls
+  public :: near_walls, near_walls_flown_at
 
   real(dp), parameter :: touching = 0.01_dp   !! cells
   real(dp), parameter :: reach = 1.0_dp       !! cells from the wall to the middle of a particle
@@ -55,6 +55,23 @@ contains
       end do
     end associate
   end subroutine near_walls
+
+  !> Whether a body flies at a wall that it does not touch at the start.
+  function near_walls_flown_at(scene, model, b) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b
+    logical :: yes
+    integer :: axis, side
+    yes = .false.
+    if (.not. allocated(scene%bodies(b)%shapes)) return
+    do axis = 1, model%mesh%ndim
+      do side = 1, 2
+        if (.not. approaches(scene, model%mesh, b, axis, side)) cycle
+        yes = yes .or. gap_of(scene, model%mesh, b, axis, side) > touching
+      end do
+    end do
+  end function near_walls_flown_at
 
   !> How a sentence about a body and a wall begins.
   function begins(model, b, axis, side) result(text)
