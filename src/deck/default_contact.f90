@@ -255,7 +255,7 @@ contains
     found = 1
     yes = .true.
     associate (one => scene%bodies(a), two => scene%bodies(b), n => scene%dimension)
-      if (allocated(one%shapes) .and. allocated(two%shapes)) then
+      if (has_shapes(one) .and. has_shapes(two)) then
         call find_touch(one, two, n, scene%grid%cell, places, found)
         yes = reaches(places(:, :found), n, wide*scene%grid%cell)
       end if
@@ -264,6 +264,13 @@ contains
       end do
     end associate
   end function are_bonded
+
+  !> Whether a body is made of shapes; its particles come from a file else.
+  pure logical function has_shapes(body) result(yes)
+    type(body_card_t), intent(in) :: body
+    yes = allocated(body%shapes)
+    if (yes) yes = size(body%shapes) > 0
+  end function has_shapes
 
   !> Whether places lie on a surface of some width, not about a point or, in space, on a line.
   pure function reaches(places, n, far) result(yes)

@@ -72,7 +72,7 @@ contains
     yes = .true.
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b), grid => scene%grid)
-        yes = yes .and. allocated(body%shapes)
+        yes = yes .and. size(body%shapes) > 0      ! where a file puts particles is not known here
         if (.not. yes) return
         call shapes_box(body%shapes, lower, upper)
         if (scene%dimension > 1) call turn_box(body%turn, lower, upper)

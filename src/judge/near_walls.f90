@@ -65,6 +65,7 @@ contains
     integer :: axis, side
     yes = .false.
     if (.not. allocated(scene%bodies(b)%shapes)) return
+    if (size(scene%bodies(b)%shapes) == 0) return  ! particles of a file
     do axis = 1, model%mesh%ndim
       do side = 1, 2
         if (.not. approaches(scene, model%mesh, b, axis, side)) cycle

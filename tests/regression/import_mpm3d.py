@@ -14,6 +14,8 @@ import shutil
 import subprocess
 import sys
 
+from _runs import tidy
+
 EXECUTABLE, SOURCE, SCRATCH = map(os.path.abspath, sys.argv[1:4])
 WRITE = "--write" in sys.argv
 DECKS = os.path.join(SOURCE, "tests", "decks", "mpm")
@@ -403,6 +405,8 @@ def main():
         displacements("dam", DAM, [(1, "y", 1.9875, -1.076), (2, "x", 0.9875, 3.13)])
     ranks()
     print(f"{counts[0]} decks, {counts[1]} broken decks, {len(FAILURES)} failures")
+    if not FAILURES:
+        tidy()
     return 1 if FAILURES else 0
 
 
