@@ -102,12 +102,12 @@ output csv at=end fields=displacement,initial_position
 
 
 class Bounce(Truth):
-    """A bar that flies against a wall and comes back: its velocity."""
+    """A bar that flies against a wall and comes back: its velocity, and where it turns."""
 
     def make(self):
         cells, v, space = self.luck.choice((10, 20, 40)), self.luck.choice((0.001, 0.01)), self.luck.choice(("1", "2"))
         h, self.v, self.cells = 1/cells, v, cells
-        gap = self.luck.choice((1.5, 2.3))*h
+        gap = self.luck.choice((0.3, 1.5, 2.3))*h
         grid, lower, upper, walls = (("", f"{gap}", f"{1 + gap}", "") if space == "1" else
                                      (f" y=0:{4*h}", f"({gap},0)", f"({1 + gap},{4*h})", " y-=slip y+=slip"))
         self.decks = [f"""dimension {space}
@@ -122,7 +122,9 @@ history steps=20
 """]
 
     def errors(self, results):
-        return [("velocity", body_end(results[0], "m", "velocity_x")/self.v - 1, 0.05)]
+        turns = min(row["x"] for row in results[0].bodies)
+        return [("velocity", body_end(results[0], "m", "velocity_x")/self.v - 1, 0.05),
+                ("place where it turns", turns - 0.5*(1 - self.v), 0.05)]
 
 
 class Rebound(Truth):
