@@ -14,7 +14,7 @@ module sgmp_verdict
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
   use sgmp_judge_failure, only: judge_failure, judge_torn
   use sgmp_judge_fronts, only: judge_fronts
-  use sgmp_judge_gases, only: judge_charges, judge_cushions
+  use sgmp_judge_gases, only: judge_charges, judge_cushions, judge_mines
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_rolling, only: judge_rolling
   use sgmp_judge_spall, only: judge_spall
@@ -111,6 +111,7 @@ contains
     call judge_projectiles(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)
+    call judge_mines(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_waves(self%opinion, scene, model)
     call judge_fronts(self%opinion, model)
