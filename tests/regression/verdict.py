@@ -1390,6 +1390,8 @@ def bonds(report):
     for name, text, settings in (
         ("group", deck + "group both low,lowest\n", {}), ("touch", deck + "contact all\n", {}),
         ("one", deck.replace("velocity high", "velocity all"), {}), ("early", deck.replace("end=20", "end=5"), {}),
+        ("falls", deck.replace("grid cell=1", "grid cell=1 y=-10:open\nwall y-=slip").replace(
+            "end=20", "end=60") + "gravity (0,-0.005)\n", {"speed": 0}),
     ):
         result = run(f"bonds_{name}", text, **settings)
         if report.finished(result, name):
