@@ -134,15 +134,28 @@ def shares_of(cloud, first, is_round):
         return fields["mass"], True
     if "density" in fields and "volume" in fields:
         return fields["density"] * fields["volume"], True
-    if not is_round:
-        return np.ones(len(cloud.points)), False
+    shares = first_radii(cloud, first) if is_round else np.ones(len(cloud.points))
+    return shares / parts_of_one(fields, len(shares)), False
+
+
+def first_radii(cloud, first):
+    """Radii of particles at the start, as far as they are known."""
+    fields = cloud.fields
     if "initial_position" in fields:
-        return np.maximum(fields["initial_position"][:, 0], 1e-300), False
+        return np.maximum(fields["initial_position"][:, 0], 1e-300)
     if first is None or "id" not in fields or "id" not in first.fields:
-        return np.maximum(cloud.points[:, 0], 1e-300), False
+        return np.maximum(cloud.points[:, 0], 1e-300)
     radius = np.zeros(int(max(fields["id"].max(), first.fields["id"].max())) + 1)
     radius[first.fields["id"].astype(int)] = first.points[:, 0]
-    return np.maximum(radius[fields["id"].astype(int)], 1e-300), False
+    return np.maximum(radius[fields["id"].astype(int)], 1e-300)
+
+
+def parts_of_one(fields, number):
+    """Into how many parts the particle has been split that each was at the start; they share its id."""
+    if "id" not in fields:
+        return np.ones(number)
+    _, place, counts = np.unique(fields["id"], return_inverse=True, return_counts=True)
+    return counts[place.reshape(-1)]
 
 
 def matter_of(folder, cloud, first=None):

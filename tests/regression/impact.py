@@ -14,6 +14,7 @@ import json
 import os
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 from _runs import SCRATCH, SOURCE, Report, run
 
@@ -25,7 +26,7 @@ import numpy as np  # noqa: E402
 from _dumps import Cloud, lattice, write_run  # noqa: E402
 from sgmp_view import command  # noqa: E402
 from sgmp_view.files import SgmpFileError, read_units  # noqa: E402
-from sgmp_view.matter import planes_of  # noqa: E402
+from sgmp_view.matter import planes_of, shares_of  # noqa: E402
 from sgmp_view.picture import loose_of, section_of  # noqa: E402
 from sgmp_view.pieces import pieces_of  # noqa: E402
 from sgmp_view.quantities import keep_impact, quantity_of, unit_of  # noqa: E402
@@ -628,11 +629,26 @@ def page(report):
     )
 
 
+def halves(report):
+    """Without the field mass a particle that has been split has the share of one, however many its parts are."""
+    ids = np.array([1, 2, 2, 3, 3, 3, 3])
+    cloud = SimpleNamespace(fields={"id": ids}, points=np.zeros((len(ids), 3)))
+    shares, is_given = shares_of(cloud, None, False)
+    found = [shares[ids == number].sum() for number in (1, 2, 3)]
+    report.check(not is_given and np.allclose(found, found[0]), f"shares of split particles: {found}")
+    first = SimpleNamespace(fields={"id": np.array([1, 2, 3])}, points=np.array([[1.0, 0, 0], [2, 0, 0], [4, 0, 0]]))
+    shares, _ = shares_of(cloud, first, True)
+    found = [shares[ids == number].sum() for number in (1, 2, 3)]
+    report.check(np.allclose(found, np.array([1, 2, 4])*found[0]), f"shares of split rings: {found}")
+    whole = shares_of(SimpleNamespace(fields={}, points=np.zeros((2, 3))), None, False)[0]
+    report.check(np.allclose(whole, whole[0]), f"without ids: {whole}")
+
+
 def main():
     """All of it."""
     report = Report()
     os.chdir(SCRATCH)
-    for part in (clusters, holes, craters, layers, spalled, debris, other_spaces, page, named, cuts):
+    for part in (clusters, holes, craters, layers, spalled, debris, other_spaces, page, named, cuts, halves):
         part(report)
     report.end()
 
