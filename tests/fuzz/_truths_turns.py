@@ -180,7 +180,7 @@ history steps=4
         rows = [row for row in results[0].bodies if row["name"] == "a"]
         depth = self.start - self.gap - min(row["z"] for row in rows)
         found = [("velocity", rows[-1]["velocity_z"]/self.v - 1, 0.05)]
-        # a wall of the grid is felt from a cell away; nothing is known to less than a tenth of a cell
+        # a wall of the grid acts up to half a cell late; nothing is known to less than a tenth of a cell
         allowed = max(0.1, 0.2/(self.cells*self.depth))
         return found + [("depth", depth/self.depth - 1, allowed)]*(self.kind != "wall")
 
