@@ -60,7 +60,7 @@ contains
     type(parameters_t) :: parameters
     type(deck_card_t), allocatable :: cards(:), found(:)
     type(position_t) :: deck
-    logical :: complete
+    logical :: complete, rings
     integer :: i, n
     registry = deck_table()
     deck%file = path
@@ -70,9 +70,9 @@ contains
     call parameters%start(settings, draft%errors)
     allocate (found(size(statements)))
     n = 0
+    rings = names_radius(statements)
     do i = 1, size(statements)
-      call read_statement(registry, statements(i), names_radius(statements), parameters, found, n, &
-                          draft%errors)
+      call read_statement(registry, statements(i), rings, parameters, found, n, draft%errors)
     end do
     cards = found(:n)
     call convert_files(registry, cards, draft%errors)

@@ -27,17 +27,13 @@ contains
 
   !> Bodies that share a velocity field, though the deck does not call them a group, because they
   !! are too many (sgmp_default_contact): they neither slide nor part.
-  subroutine judge_stuck(opinion, scene, model)
+  subroutine judge_stuck(opinion, scene)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    integer :: a, b
-    if (scene%many_groups > 0) then
-      call opinion%expect(stuck_error, 'no card contact is for '// &
-                          integer_text(scene%many_groups)//' bodies, which stick together '// &
-                          'where they meet: more than 64 touch only if it is asked for; write '// &
-                          'contact all, or make them groups')
-    end if
+    if (scene%many_groups == 0) return
+    call opinion%expect(stuck_error, 'no card contact is for '//integer_text(scene%many_groups)// &
+                        ' bodies, which stick together where they meet: more than 64 touch '// &
+                        'only if it is asked for; write contact all, or make them groups')
   end subroutine judge_stuck
 
   !> Solids that are bonded because they share a surface at the start, which another body has hit:

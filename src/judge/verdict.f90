@@ -105,7 +105,7 @@ contains
     call judge_erosion(self%opinion, model)
     call judge_impulse(self%opinion, model)
     call judge_turning(self%opinion, scene, model, self%turn)
-    call judge_stuck(self%opinion, scene, model)
+    call judge_stuck(self%opinion, scene)
     call judge_bonds(self%opinion, scene, model)
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)

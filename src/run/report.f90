@@ -26,6 +26,7 @@ module sgmp_report
   use sgmp_update, only: update_names
   use sgmp_verdict, only: verdict_t
   use sgmp_version, only: commit_hash, compiler_string, version_string
+  use sgmp_walls_apart, only: walls_apart_lines
   implicit none
   private
   public :: effort_t, effort_share, report_balance, report_banner, report_courant, report_end, &
@@ -117,6 +118,10 @@ contains
       end do
     end if
     moved = grid_fit_moved(scene)
+    do w = 1, size(moved)
+      call log%line(moved(w)%text)
+    end do
+    moved = walls_apart_lines(scene)
     do w = 1, size(moved)
       call log%line(moved(w)%text)
     end do
@@ -312,6 +317,7 @@ contains
                                          any(model%fields%columns%remapped))))
     call summary%set('split_limit', features_split_limit(scene%features))
     call summary%set('contact', contact_word(scene))
+    call summary%set('walls_shifted', count(scene%grid%shifted))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else

@@ -86,6 +86,8 @@ def left_alone():
         sides = run(f"{name}_sides", deck.replace("x-=slip x+=slip ", ""))
         if report.finished(result, name) and report.finished(plain, name) and report.finished(sides, name):
             report.check((plain["checksum"] == sides["checksum"]) != moved, f"{name}: shifted or not")
+            told = sides["walls_shifted"], plain["walls_shifted"]
+            report.check(told == (int(moved), 0), f"{name}: summary.json says {told}")
 
 
 bars()
