@@ -55,6 +55,7 @@ module sgmp_scene
     logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
     logical :: shifts = .true.                      !! walls that nothing touches are put outwards
     logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): this one is
+    logical :: one_sided(2, 3) = .false.            !! and this one lets go: an open face
     type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     type(graded_axis_t) :: axes(3)                  !! whose cells are unequal

@@ -1,15 +1,18 @@
-!> Walls of the grid that nothing touches at the start (doc/loads.md, Walls that are hit).
+!> Walls of the grid that nothing touches at the start (doc/loads.md, Bodies near walls).
 !!
-!! A wall is a plane of symmetry. What flies at one shares nodes with its image from a cell away and
-!! comes to rest there, a cell early, if it is slow; at a tenth of its speed of sound half a cell.
-!! So such a wall is put a cell farther out: what is slow then rests where the deck has the wall.
+!! A wall is a plane of symmetry: what flies at one shares nodes with its image from a cell away,
+!! comes to rest there, a cell early if it is slow, and is held where it would leave. So a slip wall
+!! that nothing touches lets go (sgmp_one_sided). One that does more than to hold what comes is put
+!! a cell farther out: what is slow then rests where the deck has the wall.
 module sgmp_walls_apart
-  use sgmp_constitutive, only: law_is_spherical, law_sound
+  use sgmp_constitutive, only: law_is_spherical, law_wave_modulus
   use sgmp_fast_scenes, only: largest_speed_of
+  use sgmp_features, only: features_walls_act
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: wall_fixed, wall_slip
+  use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
   use sgmp_scene, only: grid_card_t, scene_space, scene_t
-  use sgmp_shapes, only: shapes_box
+  use sgmp_shapes, only: combine_difference, shape_cylinder, shape_ring, shape_sphere, shape_t, &
+                         shapes_box
   use sgmp_space, only: axis_names
   use sgmp_spelling, only: string_t
   use sgmp_text, only: real_text_tidy
@@ -18,12 +21,13 @@ module sgmp_walls_apart
   private
   public :: walls_apart_lines, walls_apart_settle
 
+  real(dp), parameter :: touching = 0.02_dp    !! cells within which a body touches a wall
   real(dp), parameter :: apart = 0.25_dp       !! cells; half a particle and a cell are reached
-  real(dp), parameter :: fast = 0.1_dp         !! of the speed of sound: as much too late as early
+  real(dp), parameter :: fast = 0.1_dp         !! of the speed of sound: walls are entered too far
 
 contains
 
-  !> Puts the walls farther out that all bodies are away from.
+  !> Lets the walls go that all bodies are away from, or puts them farther out.
   subroutine walls_apart_settle(scene)
     type(scene_t), intent(inout) :: scene
     integer :: axis, side
@@ -31,18 +35,46 @@ contains
     do axis = 1, scene%dimension
       if (scene%grid%axes(axis)%graded) cycle
       do side = 1, 2
-        if (.not. any(scene%grid%wall(side, axis) == [wall_slip, wall_fixed])) cycle
         if (scene%axisymmetric .and. axis == 1 .and. side == 1) cycle
-        if (.not. all_apart(scene, axis, side)) cycle
-        scene%grid%shifted(side, axis) = .true.
-        if (side == 1) then
-          scene%grid%lower(axis) = scene%grid%lower(axis) - scene%grid%cell
-        else
-          scene%grid%upper(axis) = scene%grid%upper(axis) + scene%grid%cell
-        end if
+        call settle_wall(scene, axis, side, least_gap(scene, axis, side))
       end do
     end do
   end subroutine walls_apart_settle
+
+  !> The same of one wall, if there is one.
+  pure subroutine settle_wall(scene, axis, side, gap)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: axis, side
+    real(dp), intent(in) :: gap                  !! to the nearest body (cells)
+    logical :: plain
+    plain = scene%grid%wall(side, axis) == wall_slip .and. .not. features_walls_act(scene%features)
+    if (plain) then
+      if (gap > touching) call let_go(scene%grid, axis, side)
+    else if (any(scene%grid%wall(side, axis) == [wall_slip, wall_fixed])) then
+      if (gap > apart) call put_out(scene%grid, axis, side)
+    end if
+  end subroutine settle_wall
+
+  !> Makes a wall one that lets go: the grid goes on behind it.
+  pure subroutine let_go(grid, axis, side)
+    type(grid_card_t), intent(inout) :: grid
+    integer, intent(in) :: axis, side
+    grid%one_sided(side, axis) = .true.
+    grid%wall(side, axis) = wall_free
+    grid%open(side, axis) = .true.
+  end subroutine let_go
+
+  !> Puts a wall a cell farther out.
+  pure subroutine put_out(grid, axis, side)
+    type(grid_card_t), intent(inout) :: grid
+    integer, intent(in) :: axis, side
+    grid%shifted(side, axis) = .true.
+    if (side == 1) then
+      grid%lower(axis) = grid%lower(axis) - grid%cell
+    else
+      grid%upper(axis) = grid%upper(axis) + grid%cell
+    end if
+  end subroutine put_out
 
   !> Whether all that deforms are solids, and none begins fast.
   function slow_solids(scene) result(yes)
@@ -57,48 +89,71 @@ contains
       yes = yes .and. scene%bodies(b)%material > 0
       if (.not. yes) return
       associate (law => scene%materials(scene%bodies(b)%material)%law)
-        yes = .not. law_is_spherical(law) .and. speed <= fast*law_sound(law)
+        yes = .not. law_is_spherical(law) .and. &
+              speed <= fast*sqrt(law_wave_modulus(law)/law%density)
       end associate
     end do
   end function slow_solids
 
-  !> Whether all bodies begin away from a wall.
-  pure function all_apart(scene, axis, side) result(yes)
+  !> Cells between a wall and the body that begins closest to it. What is round and touches it in a
+  !! point is no part of a symmetric body: it does not count.
+  pure function least_gap(scene, axis, side) result(gap)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: axis, side
-    logical :: yes
-    real(dp) :: lower(3), upper(3), gap
+    real(dp) :: gap
+    real(dp) :: lower(3), upper(3), own
     integer :: b
-    yes = .true.
+    gap = huge(1.0_dp)
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b), grid => scene%grid)
-        yes = yes .and. size(body%shapes) > 0      ! where a file puts particles is not known here
-        if (.not. yes) return
+        if (size(body%shapes) == 0) then
+          gap = 0.0_dp                 ! where a file puts particles is not known here
+          return
+        end if
         call shapes_box(body%shapes, lower, upper)
         if (scene%dimension > 1) call turn_box(body%turn, lower, upper)
-        gap = merge(lower(axis) - grid%lower(axis), grid%upper(axis) - upper(axis), side == 1)
-        yes = gap > apart*grid%cell
+        own = merge(lower(axis) - grid%lower(axis), grid%upper(axis) - upper(axis), side == 1)/ &
+              grid%cell
+        if (abs(own) <= touching .and. &
+            all(round_towards(body%shapes, axis, scene%axisymmetric))) cycle
+        gap = min(gap, own)
       end associate
     end do
-  end function all_apart
+  end function least_gap
 
-  !> A line for each wall that has been put farther out.
+  !> Whether a shape is round where a wall across an axis touches it; cylinders about the axis of
+  !! the scene are not.
+  elemental function round_towards(shape, axis, axisymmetric) result(yes)
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: axis
+    logical, intent(in) :: axisymmetric
+    logical :: yes
+    yes = shape%kind == shape_sphere .or. shape%combine == combine_difference
+    if (axisymmetric) return
+    if (any(shape%kind == [shape_cylinder, shape_ring])) yes = abs(shape%axis(axis)) <= touching
+  end function round_towards
+
+  !> A line for each wall that lets go or has been put farther out.
   pure function walls_apart_lines(scene) result(lines)
     type(scene_t), intent(in) :: scene
     type(string_t), allocatable :: lines(:)
-    real(dp) :: place
+    character(:), allocatable :: wall
     integer :: axis, side, n
-    allocate (lines(count(scene%grid%shifted)))
+    allocate (lines(count(scene%grid%one_sided .or. scene%grid%shifted)))
     n = 0
     do axis = 1, scene%dimension
       do side = 1, 2
-        if (.not. scene%grid%shifted(side, axis)) cycle
-        place = wall_asked(scene%grid, axis, side)
-        n = n + 1
-        lines(n)%text = 'wall '//axis_names(axis, scene_space(scene))// &
-                        merge('-', '+', side == 1)//' is a cell outside of '// &
-                        real_text_tidy(place)//': nothing touches it at the start, and what '// &
-                        'flies at a wall rests a cell before it (doc/loads.md)'
+        wall = 'wall '//axis_names(axis, scene_space(scene))//merge('-', '+', side == 1)
+        if (scene%grid%one_sided(side, axis)) then
+          n = n + 1
+          lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
+        else if (scene%grid%shifted(side, axis)) then
+          n = n + 1
+          lines(n)%text = wall//' is a cell outside of '// &
+                          real_text_tidy(wall_asked(scene%grid, axis, side))//': nothing '// &
+                          'touches it at the start, and what flies at a wall rests a cell '// &
+                          'before it (doc/loads.md)'
+        end if
       end do
     end do
   end function walls_apart_lines

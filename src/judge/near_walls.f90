@@ -37,7 +37,7 @@ contains
       if (card%rigid .or. law_is_spherical(law) .or. .not. allocated(card%shapes)) return
       do axis = 1, model%mesh%ndim
         do side = 1, 2
-          if (.not. approaches(scene, model%mesh, b, axis, side)) cycle
+          if (.not. (holds(model%mesh, axis, side) .and. approaches(scene, b, axis, side))) cycle
           gap = gap_of(scene, model%mesh, b, axis, side)
           if (gap > reach + 0.5_dp*card%spacing/model%mesh%h .or. gap < -touching) cycle
           touches = gap <= touching
@@ -68,8 +68,12 @@ contains
     if (size(scene%bodies(b)%shapes) == 0) return  ! particles of a file
     do axis = 1, model%mesh%ndim
       do side = 1, 2
-        if (.not. approaches(scene, model%mesh, b, axis, side)) cycle
-        yes = yes .or. gap_of(scene, model%mesh, b, axis, side) > touching
+        if (.not. approaches(scene, b, axis, side)) cycle
+        if (model%mesh%one_sided(side, axis)) then
+          yes = .true.
+        else if (holds(model%mesh, axis, side)) then
+          yes = yes .or. gap_of(scene, model%mesh, b, axis, side) > touching
+        end if
       end do
     end do
   end function near_walls_flown_at
@@ -83,14 +87,19 @@ contains
            axis_names(axis, model%mesh%space)//merge('-', '+', side == 1)//' and begins'
   end function begins
 
-  !> Whether a body flies towards a side of the grid as a whole, and there is a wall.
-  pure function approaches(scene, mesh, b, axis, side) result(yes)
-    type(scene_t), intent(in) :: scene
+  !> Whether there is a wall that holds what begins at it.
+  pure logical function holds(mesh, axis, side) result(yes)
     type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis, side
+    yes = any(mesh%wall(side, axis) == [wall_slip, wall_fixed])
+  end function holds
+
+  !> Whether a body flies towards a side of the grid as a whole.
+  pure function approaches(scene, b, axis, side) result(yes)
+    type(scene_t), intent(in) :: scene
     integer, intent(in) :: b, axis, side
     logical :: yes
     yes = .false.
-    if (.not. any(mesh%wall(side, axis) == [wall_slip, wall_fixed])) return
     associate (start => scene%bodies(b)%velocity(axis))
       if (start%is_constant) yes = start%value*merge(-1.0_dp, 1.0_dp, side == 1) > 0.0_dp
     end associate

@@ -117,8 +117,9 @@ contains
     real(dp), intent(in) :: plane, slack
     logical :: yes
     yes = grid%open(1, axis) .eqv. grid%open(2, axis)
-    yes = yes .and. grid%wall(1, axis) == grid%wall(2, axis)
-    if (yes .and. .not. grid%open(1, axis)) then
+    yes = yes .and. grid%wall(1, axis) == grid%wall(2, axis) .and. &
+          (grid%one_sided(1, axis) .eqv. grid%one_sided(2, axis))
+    if (yes .and. (grid%one_sided(1, axis) .or. .not. grid%open(1, axis))) then
       yes = abs(0.5_dp*(grid%lower(axis) + grid%upper(axis)) - plane) <= slack
     end if
   end function grid_mirrored
@@ -199,7 +200,8 @@ contains
     slack = noticed*scene%grid%cell
     call cut_by_walls(scene%grid, axis, line, slack, cut)
     yes = size(scene%motions) == 0 .and. size(scene%bodyforces) == 0 .and. &
-          all(scene%grid%wall == wall_free .or. cut .or. spread(axis_is(axis), 1, 2)) .and. &
+          all(held_by_none(scene%grid%wall, scene%grid%one_sided) .or. cut .or. &
+              spread(axis_is(axis), 1, 2)) .and. &
           all(abs(scene%gravity) <= 0.0_dp .or. axis_is(axis))
     do i = 1, size(scene%bodies)
       if (yes) yes = body_revolved(scene%bodies(i), axis, line, cut, slack)
@@ -211,6 +213,14 @@ contains
       yes = yes .and. detonation_revolved(scene%detonations(i), axis, line, slack)
     end do
   end function scene_revolved
+
+  !> Ends of the grid that have no wall.
+  elemental function held_by_none(wall, one_sided) result(yes)
+    integer, intent(in) :: wall
+    logical, intent(in) :: one_sided
+    logical :: yes
+    yes = wall == wall_free .and. .not. one_sided
+  end function held_by_none
 
   !> Which slip walls lie in a line along an axis.
   pure subroutine cut_by_walls(grid, axis, line, slack, cut)

@@ -34,6 +34,8 @@ module DIM(sgmp_chunk)
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
+  use sgmp_one_sided, only: one_sided_drift, one_sided_lever, one_sided_push, one_sided_strain
+  use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
@@ -41,8 +43,8 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_settling), only: settling_chunk
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
-  use sgmp_sums, only: sum_collisions, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
-                       sum_moment, sum_momentum, sum_viscous, sweep_sums
+  use sgmp_sums, only: sum_applied, sum_collisions, sum_internal, sum_kinetic, sum_loose, &
+                       sum_mass_aa, sum_moment, sum_momentum, sum_viscous, sweep_sums
 #ifdef AXISYMMETRIC
   use sgmp_swirl, only: swirl_blend, swirl_collect, swirl_drift, swirl_flux, swirl_kick, &
                         swirl_strain
@@ -102,6 +104,7 @@ module DIM(sgmp_chunk)
     integer :: forces = 0                !! before: the forces (MPM, GIMP)
     integer :: flux = 0                  !! before: the flux; MPM, GIMP: behind all others
     integer :: apart(2) = 0              !! first and last that scatters of their own fill
+    integer :: push = 0                  !! first of the forces of walls that let go
     integer :: volume = 0                !! volume
     integer :: stiffness = 0             !! what they relax by
     integer :: values = 0                !! how many a particle brings, the flux included
@@ -236,6 +239,7 @@ contains
     task%square = place(columns%square)
     task%forces = min(plan%last_column, columns%force - 1) - before
     task%apart = [place(columns%apart(1)), place(columns%apart(2))]
+    task%push = place(columns%push)
     task%volume = place(columns%volume)
     task%stiffness = place(columns%stiffness)
     task%flux = merge(task%forces, task%plain, task%centred)
@@ -347,6 +351,11 @@ contains
       call loads_spring(mesh, body, plan%dt, &
                         plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), nb, motion, state)
     end if
+    if (plan%drift .and. size(body%walls) > 0) then
+      call one_sided_drift(mesh, body%walls, task%live(1, nl), motion, state(1, 1), &
+                           plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), &
+                           lane_sums(1, sum_applied))
+    end if
     if (plan%drift .and. mesh%graded) then
       call drift_graded(mesh, task%dt_cells, task%live(1, nl), origin, extent, &
                         got(1, task%velocity), motion, xi, lane_sums, outside)
@@ -372,6 +381,10 @@ contains
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
                                 debris_loose(body%law, task%live(1, nl), motion(1, mass_at), nb, &
                                              state)
+    end if
+    if (plan%strain .and. size(body%walls) > 0) then
+      call one_sided_strain(mesh, body%walls, task%live(1, nl), motion, state(1, 1), &
+                            plan%dt_strain, got(1, task%gradient), lane_sums(1, sum_applied))
     end if
     if (body%faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
@@ -439,6 +452,9 @@ contains
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
+    if (task%push > 0 .and. task%centred) then
+      call scatter_walls(mesh, body%walls, task, id, motion, state(1, 1), xi, cell, stencil)
+    end if
     if (body%faced .and. plan%faces > 0) then
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
@@ -1104,9 +1120,37 @@ contains
     if (task%volume > 0) values(:, task%volume) = live*state(:, 1)
     if (task%apart(1) == 0) return
     values(:, task%apart(1):task%apart(2)) = 0.0_dp
+    if (task%push > 0) call one_sided_push(mesh, body%walls, live, motion, state(1, 1), &
+                                           values(1, task%push), values(1, task%flux + 1))
     if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
                                         motion, state, values(1, task%apart(1)))
   end subroutine collect_rest
+
+  !> Adds the levers of the forces of walls that let go, on those particles that have stayed.
+  pure subroutine scatter_walls(mesh, walls, task, id, motion, volume, xi, cell, stencil)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: walls(:)
+    type(task_t), intent(in) :: task
+    integer(i4), intent(in) :: id(lanes)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), volume(lanes), xi(lanes, NDIM)
+    integer, intent(in) :: cell(lanes)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: lever(lanes), end(lanes, NDIM)
+    integer :: side, w
+    do w = 1, size(walls)
+      associate (a => walls(w)%axis)
+        lever = one_sided_lever(mesh, walls(w), merge(1.0_dp, 0.0_dp, id /= 0), motion(:, a), &
+                                xi(:, a), volume)
+        if (all(abs(lever) <= 0.0_dp)) cycle
+        do side = 0, 1
+          end = xi
+          end(:, a) = side
+          call linear_scatter(1, end, cell, (2*side - 1)*lever, task%nq, &
+                              stencil(1, task%pairs + task%forces + a, 1))
+        end do
+      end associate
+    end do
+  end subroutine scatter_walls
 
   !> Adds pressure and traction on the faces of those particles that have stayed, where they act:
   !! the weights are continued linearly from the centres.

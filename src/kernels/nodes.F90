@@ -100,6 +100,7 @@ contains
           end if
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
+        if (field%columns%push > 0) call add_push(field, mesh, s, first, n, f)
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
         if (field%columns%swirl > 0) call nodes_swirl_push(field, s, first, n, f(1, 1))
@@ -452,6 +453,23 @@ contains
       f(:n, a) = f(:n, a) + t(:n)
     end do
   end subroutine external_forces
+
+  !> Adds the forces of walls that let go.
+  pure subroutine add_push(field, mesh, s, first, n, f)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: f(tile, NDIM)
+    real(dp) :: t(tile)
+    integer :: a, column
+    column = field%columns%push
+    do a = 1, NDIM
+      if (.not. any(mesh%one_sided(:, a))) cycle
+      call spread_force(field, s, first, n, column, t)
+      f(:n, a) = f(:n, a) + t(:n)
+      column = column + 1
+    end do
+  end subroutine add_push
 
   !> Forces on faces of particles, with their levers.
   pure subroutine face_forces(field, mesh, s, first, n, f)

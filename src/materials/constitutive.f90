@@ -75,7 +75,7 @@ module sgmp_constitutive
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
-  public :: law_may_tear, law_sound, law_tear, law_tears
+  public :: law_may_tear, law_sound, law_tear, law_tears, law_wave_modulus
   public :: law_cavitate, law_first_pressure, law_may_cavitate, law_may_shock, law_spread_shocks
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -847,6 +847,15 @@ contains
     speed = law%bulk_speed
     if (.not. speed > 0.0_dp) speed = sqrt(law%elastic%bulk/law%density)
   end function law_sound
+
+  !> Modulus of plane waves of compression, at the start.
+  elemental function law_wave_modulus(law) result(modulus)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: modulus
+    modulus = law%elastic%bulk
+    if (law%eos /= eos_none) modulus = law%density*law%bulk_speed**2
+    modulus = modulus + 4.0_dp/3.0_dp*law%elastic%shear
+  end function law_wave_modulus
 
   !> Whether the stress depends on the sides of the cells that matter is in.
   elemental logical function law_by_cells(law) result(yes)

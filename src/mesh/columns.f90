@@ -81,6 +81,7 @@ module sgmp_columns
                                  !! along each axis
     integer :: twist = 0         !! external force times two or three levers (cells): columns of the
                                  !! components, one after another for each twist
+    integer :: push = 0          !! forces of walls that let go, along each axis that has some
     integer :: impedance = 0     !! force per velocity of absorbing edges, component by component,
                                  !! then its levers as above
     integer :: volume = 0
@@ -228,6 +229,7 @@ contains
     call find(columns, 'lever', columns%lever)
     call find(columns, 'twist', columns%twist)
     call find(columns, 'impedance', columns%impedance)
+    call find(columns, 'push', columns%push)
     call find(columns, 'volume', columns%volume)
     call find(columns, 'stiffness', columns%stiffness)
     call find(columns, 'compliance', columns%compliance)

@@ -40,6 +40,7 @@ module sgmp_mesh
     integer :: wall(2, 3) = wall_free    !! (lower|upper, axis)
     logical :: absorbs(2, 3) = .false.   !! edges that let waves out: open faces
     integer :: edge(2, 3) = 0            !! nodes where these lie
+    logical :: one_sided(2, 3) = .false.  !! walls that let go: open faces, springs on particles
     logical :: walls_move = .false.      !! some fixed wall moves along itself
     logical :: walls_weigh = .false.     !! reactions of walls are asked for
     logical :: walls_act = .false.       !! or does more than to hold what comes
@@ -58,13 +59,14 @@ contains
 
   !> A mesh from plain arguments; faces that are not open must be a whole number of cells apart. An
   !! axisymmetric one begins at the axis.
-  pure function mesh_make(space, h, lower, upper, open, wall, axes) result(mesh)
+  pure function mesh_make(space, h, lower, upper, open, wall, axes, one_sided) result(mesh)
     integer, intent(in) :: space          !! number of dimensions, or space_axisymmetric
     real(dp), intent(in) :: h             !! cell side (length)
     real(dp), intent(in) :: lower(3), upper(3)  !! corners of the box (length)
     logical, intent(in) :: open(2, 3)     !! face not given
     integer, intent(in) :: wall(2, 3)     !! kind of wall per face
     type(graded_axis_t), intent(in), optional :: axes(3)  !! whose cells are unequal
+    logical, intent(in), optional :: one_sided(2, 3)  !! open faces with walls that let go
     type(mesh_t) :: mesh
     integer :: axis
     mesh%ndim = space_dimensions(space)
@@ -78,6 +80,8 @@ contains
       mesh%wall(1, 1) = wall_axis
     end if
     if (present(axes)) mesh%axes = axes
+    if (present(one_sided)) mesh%one_sided = one_sided
+    mesh%open = mesh%open .and. .not. mesh%one_sided
     mesh%graded = any(mesh%axes(:mesh%ndim)%graded)
     do axis = 1, mesh%ndim
       call place_nodes(mesh, axis, lower(axis), upper(axis))
@@ -110,16 +114,17 @@ contains
     end if
   end subroutine place_nodes
 
-  !> Opens the faces of edges that let waves out, where the grid follows the particles.
+  !> Opens the faces of edges that let waves out and of walls that let go: the grid follows the
+  !! particles there, a line of nodes lies where the face is.
   pure subroutine open_edges(mesh)
     type(mesh_t), intent(inout) :: mesh
     type(mesh_t) :: open
     mesh%absorbs = mesh%wall == wall_absorbing
     mesh%edge(1, :) = merge(mesh%lower, 0, mesh%absorbs(1, :))
     mesh%edge(2, :) = merge(mesh%upper, 0, mesh%absorbs(2, :))
-    where (mesh%absorbs(1, :)) mesh%lower = open%lower
-    where (mesh%absorbs(2, :)) mesh%upper = open%upper
-    where (mesh%absorbs)
+    where (mesh%absorbs(1, :) .or. mesh%one_sided(1, :)) mesh%lower = open%lower
+    where (mesh%absorbs(2, :) .or. mesh%one_sided(2, :)) mesh%upper = open%upper
+    where (mesh%absorbs .or. mesh%one_sided)
       mesh%wall = wall_free
       mesh%open = .true.
     end where

@@ -7,6 +7,7 @@ module sgmp_body
   use sgmp_kernels, only: stencil_width
   use sgmp_kinds, only: dp, i4
   use sgmp_load, only: load_t
+  use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_particles, only: first_cell, particles_t
   use sgmp_patches, only: labels_t
   use sgmp_rigid_motion, only: rigid_motion_t
@@ -41,6 +42,7 @@ module sgmp_body
     logical :: forced = .false.                !! a body force or a load acts
     type(expression_t) :: force(3)             !! force per unit mass
     type(load_t), allocatable :: loads(:)      !! not allocated: none
+    type(one_sided_wall_t), allocatable :: walls(:)  !! of the grid that let it go
     logical :: linear = .false.                !! as of its field
     logical :: faced = .false.                 !! some of them act on faces
     logical :: is_driven = .false.             !! the motion of parts of it is prescribed

@@ -7,7 +7,7 @@ module sgmp_advice
   use sgmp_mesh, only: mesh_place, wall_free, wall_slip
   use sgmp_model, only: model_t
   use sgmp_parallel, only: parallel_sum
-  use sgmp_scene, only: dump_formats, dump_names, dump_tecplot, scene_space, scene_t
+  use sgmp_scene, only: grid_card_t, dump_formats, dump_names, dump_tecplot, scene_space, scene_t
   use sgmp_scene_symmetry, only: scene_mirrored, scene_plain, scene_revolved, scene_uniform
   use sgmp_shapes, only: shapes_box
   use sgmp_space, only: axis_names
@@ -180,12 +180,7 @@ contains
       name = axis_names(a, scene_space(scene))
       if (found > 1) planes = planes//', '
       planes = planes//name//' = '//real_text_tidy(plane)
-      grid = grid//' '//name//'='//real_text_tidy(plane)//':'
-      if (scene%grid%open(2, a)) then
-        grid = grid//'open'
-      else
-        grid = grid//real_text_tidy(scene%grid%upper(a))
-      end if
+      grid = grid//' '//name//'='//real_text_tidy(plane)//':'//end_text(scene%grid, a)
       wall = wall//' '//name//'-=slip'
       cut = cut//', subtract BODY halfspace axis='//direction_text(scene, a, 1.0_dp)
       if (abs(plane) > 0.0_dp) cut = cut//' centre='//direction_text(scene, a, plane)
@@ -195,6 +190,15 @@ contains
                              trim(parts(found))//' of it, grid …'//grid//', wall'//wall//cut// &
                              ' for each body: '//integer_text(2**found)//' times fewer particles')]
   end subroutine advise_mirrors
+
+  !> The upper end of the grid along an axis as a deck has it.
+  pure function end_text(grid, axis) result(text)
+    type(grid_card_t), intent(in) :: grid
+    integer, intent(in) :: axis
+    character(:), allocatable :: text
+    text = 'open'
+    if (grid%one_sided(2, axis) .or. .not. grid%open(2, axis)) text = real_text_tidy(grid%upper(axis))
+  end function end_text
 
   !> Where a plane of symmetry across an axis may be: midway between the ends of the grid, in an
   !! open grid in the middle of the first body; huge where cells would not fit behind it.

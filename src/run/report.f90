@@ -318,6 +318,7 @@ contains
     call summary%set('split_limit', features_split_limit(scene%features))
     call summary%set('contact', contact_word(scene))
     call summary%set('walls_shifted', count(scene%grid%shifted))
+    call summary%set('walls_let_go', count(scene%grid%one_sided))
     if (scene%axisymmetric) then
       call summary%set('dimension', 'axisymmetric')
     else

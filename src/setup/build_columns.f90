@@ -11,6 +11,7 @@ module sgmp_build_columns
   use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
   use sgmp_model, only: model_t
+  use sgmp_one_sided_columns, only: one_sided_ask
   use sgmp_surface_columns, only: pairs_ask, room_ask, surfaces_ask, surfaces_ask_faces
   use sgmp_swirl_columns, only: swirl_ask
   use sgmp_volumes_columns, only: volumes_ask
@@ -72,6 +73,7 @@ contains
     type(columns_t), intent(inout) :: columns
     associate (bodies => model%bodies, ndim => model%mesh%ndim, centred => kernel_centred(kernel))
       if (any(bodies%forced)) call loads_ask(columns, ndim)
+      call one_sided_ask(columns, any(model%mesh%one_sided(:, :ndim), dim=1))
       if (.not. any(bodies%faced)) return
       call loads_ask_faces(columns, ndim, centred)
       if (corrected .and. centred) call surfaces_ask_faces(columns, ndim)

@@ -38,6 +38,7 @@ module sgmp_build_model
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
+  use sgmp_one_sided_build, only: one_sided_declare
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill, particles_t
@@ -88,7 +89,7 @@ contains
     if (present(empty)) seeded = .not. empty
     associate (grid => scene%grid)
       model%mesh = mesh_make(scene_space(scene), grid%cell, grid%lower, grid%upper, grid%open, &
-                             grid%wall, grid%axes)
+                             grid%wall, grid%axes, grid%one_sided)
     end associate
     model%mesh%hoop = scene%method%hoop
     model%mesh%walls_weigh = scene%grid%reactions
@@ -287,6 +288,7 @@ contains
       call absorbing_declare(card, scene%grid, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
+      call one_sided_declare(scene%grid, mesh, material%law, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)

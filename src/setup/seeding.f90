@@ -178,7 +178,7 @@ contains
     type(lattice_t) :: lattice
     integer :: b
     mesh = mesh_make(scene_space(scene), scene%grid%cell, scene%grid%lower, scene%grid%upper, &
-                     scene%grid%open, scene%grid%wall, scene%grid%axes)
+                     scene%grid%open, scene%grid%wall, scene%grid%axes, scene%grid%one_sided)
     do b = 1, size(scene%bodies)
       if (scene%bodies(b)%layout == layout_file) cycle
       call lay_lattice(scene%bodies(b), scene%grid%cell, mesh%origin, scene%dimension, lattice, &

@@ -46,6 +46,7 @@ module sgmp_stages
   use sgmp_mesh, only: wall_speed
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
+  use sgmp_one_sided_reaction, only: one_sided_weigh
   use sgmp_phases, only: phase_average, phase_mirror, phase_normalise, phase_place, phase_relax, &
                          phase_rotation, phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
@@ -205,6 +206,7 @@ contains
     if (model%mesh%walls_weigh) then
       call phase_wall_reaction(model%mesh, model%fields, model%bodies, &
                                model%ranks%partition%own, model%findings%tally)
+      call one_sided_weigh(model%mesh, model%bodies, model%findings%tally)
     end if
     if (model%method%debris_speed > 0.0_dp) call collide(model, dt_kick)
   end subroutine stage_after_solve

@@ -127,6 +127,49 @@ history steps=20
                 ("place where it turns", turns - 0.5*(1 - self.v), 0.05)]
 
 
+# Restitution of bodies of Young's modulus and density 1 at a rigid frictionless wall, by finite elements
+# (verification/surfaces/elements.py): shape, Poisson's ratio, yield stress, velocity, restitution.
+RECOILS = (
+    ("disk", 0.3, None, 0.003, 0.993), ("disk", 0.3, None, 0.03, 0.985), ("disk", 0.3, None, 0.1, 0.95),
+    ("disk", 0.0, None, 0.03, 0.974), ("disk", 0.45, None, 0.03, 0.964), ("block", 0.3, None, 0.03, 0.79),
+    ("block", 0.15, None, 0.03, 0.967), ("block", 0.45, None, 0.03, 0.69), ("disk", 0.3, 0.02, 0.0718, 0.16),
+    ("block", 0.3, 0.02, 0.0718, 0.12), ("block", 0.3, 0.005, 0.0718, 0.023),
+)
+
+
+class Recoil(Truth):
+    """A disk or a square of side 1 that flies at a slip wall of any face, elastic or not, with another beside it that
+    does not: its velocity after it."""
+
+    def make(self):
+        shape, poisson, strength, v, self.truth = self.luck.choice(RECOILS)
+        self.cells, self.axis, self.side = self.luck.choice((8, 12, 16, 24, 36)), self.luck.choice((0, 1)), \
+            self.luck.choice((-1, 1))
+        h, gap, self.v = 1/self.cells, self.luck.uniform(0.05, 3)/self.cells, self.side*v
+        place = [self.luck.uniform(-1, 1) for _ in range(2)]
+        wall = place[self.axis]
+        place[self.axis] = wall - self.side*(0.5 + gap)
+        name, low = "xy"[self.axis], self.side < 0
+        corners = ",".join(f"{p - 0.5}" for p in place), ",".join(f"{p + 0.5}" for p in place)
+        body = f"sphere centre=({place[0]},{place[1]}) radius=0.5" if shape == "disk" else \
+            f"block lower=({corners[0]}) upper=({corners[1]})"
+        law = f"j2 density=1 young=1 poisson={poisson} yield={strength}" if strength else \
+            f"elastic density=1 young=1 poisson={poisson}"
+        self.decks = [f"""dimension 2
+grid cell={h} {name}={f"{wall}:open" if low else f"open:{wall}"}
+wall {name}{"-" if low else "+"}=slip
+METHOD
+time end={gap/v + 12} cfl={self.luck.choice((0.3, 0.5))}
+material m {law}
+body m {body} material=m {self.luck.choice(("", "ppc=2", "ppc=3"))}
+velocity m {name}={self.v}
+history steps=20
+"""]
+
+    def errors(self, results):
+        return [("velocity", (-body_end(results[0], "m", f"velocity_{'xy'[self.axis]}")/self.v - self.truth), 0.05)]
+
+
 class Rebound(Truth):
     """Two rings or disks that bounce off each other along any line: mean velocity after it, by finite elements
     (verification/surfaces/references.py, which is not part of the program)."""
@@ -394,4 +437,4 @@ output csv at=end fields=stress
         return [("stress", sum(along)/len(along)/self.stress - 1, 0.05), ("energy", energy[-1]/energy[0] - 1, 0.1)]
 
 
-CLASSES = (Segments, Weight, Drop, Bounce, Rebound, Hoop, Torsion, Press, Twin, Sector, Disc, Held)
+CLASSES = (Segments, Weight, Drop, Bounce, Recoil, Rebound, Hoop, Torsion, Press, Twin, Sector, Disc, Held)

@@ -16,7 +16,7 @@ HITS = """dimension {space}
 grid cell=0.25 {grid} y=-1:open
 wall y-=slip {walls}
 method {method}
-time end=22 cfl=0.3
+time end=20 cfl=0.3
 material m neo_hookean density=1 young=1 poisson=0.3
 body ball {ball} material=m radius=0.75 spacing=0.125
 body block block material=m lower=(-2,0{low}) upper=(2,2{high}) spacing=0.125

@@ -671,16 +671,24 @@ contact all
 
 
 def soft_balls(report):
-    """A disk or a block that yields at a wall of the grid does not come off; from a rigid plate disks come back with
-    0.15 of their velocity, blocks with 0.12, whatever the cells (12, 24, 48). Where it begins at the wall, or has not
-    met it yet, nothing is said."""
+    """A disk or a block that yields comes back from a frictionless wall with 0.16 and 0.12 of its velocity (finite
+    elements, verification/surfaces/elements.py); from a wall that is a plane of symmetry it does not come off. Where it
+    begins at the wall, or has not met it yet, nothing is said."""
     words = "yields at a wall of the grid, which does not let it go"
     block = SOFT.replace("sphere material=m centre=(0.667,0) radius=0.5", "block material=m lower=(0.167,-0.5) "
                          "upper=(1.167,0.5)")
-    for cells, deck, back in ((12, SOFT, 0.15), (24, SOFT, 0.15), (12, block, 0.12), (24, block, 0.12)):
-        found = coarse(report, f"soft_{cells}", deck.replace("time end=4.32", "time end=16"), words, 0.3, n=cells)
-        kept = found.table("bodies.csv")[-1]["velocity_x"]/0.0718
-        report.check(abs(kept - back) < found["verdict_error"], f"soft_{cells}: {kept}, not {back}")
+    for name, deck, back in (("disk", SOFT, 0.16), ("block", block, 0.12)):
+        for cells in (12, 24, 48):
+            long = deck.replace("time end=4.32", "time end=16")
+            found = run(f"soft_{name}_{cells}", long, n=cells)
+            kept = found.table("bodies.csv")[-1]["velocity_x"]/0.0718
+            told = found["verdict_error"] if cells < 40 else 0.05
+            report.check(
+                abs(kept - back) < told < 0.2
+                and ("bounces off a wall" in str(found["verdict_reasons"])) == (cells < 40),
+                f"soft_{name}_{cells}: {kept}, not {back}; {found['verdict_reasons']}",
+            )
+        coarse(report, f"soft_{name}_held", long.replace("x-=slip", "x-=slip shift=none"), words, 0.3, n=12)
     bar = block.replace("lower=(0.167,-0.5) upper=(1.167,0.5)", "lower=(0,-0.5) upper=(1,0.5)")
     plate = SOFT.replace("x=0:open", "").replace("wall x-=slip", "") + (
         "body plate block material=m lower=(-0.5,-1) upper=(0,1)\nrigid plate x=0\n")
@@ -689,7 +697,7 @@ def soft_balls(report):
         ("early", SOFT.replace("time end=4.32", "time end=1"), 12),
     ):
         result = run(f"soft_{name}", deck, n=cells)
-        report.check(not any(words in why for why in result["verdict_reasons"]),
+        report.check(not any(words in why or "bounces" in why for why in result["verdict_reasons"]),
                      f"{name}: {result['verdict_reasons']}")
 
 
@@ -735,14 +743,14 @@ def near_walls(report):
     plain = DROPPED.replace("wall y-=slip", "wall y-=slip shift=none")
     for name, deck, words, settings in (
         ("near", plain, near, {"gap": 0.5}), ("at", DROPPED, at, {"gap": 0, "t_end": 12}),
-        ("beside", DROPPED, "moves towards wall y- and begins 0.2 cells away", {"gap": 0.2}),
     ):
         result = doubts(report, f"wall_{name}", deck, words, **settings)
         report.check(f"warning: body 'a' {words}" in result.text, f"wall_{name}: not before the run: {result.text}")
     coming = run("wall_at_coming", DROPPED, gap=0, t_end=1)  # is not back yet
     report.check(coming["verdict"] == "sound", f"wall_at_coming: {coming['verdict_reasons']}")
     for name, deck, settings in (
-        ("far", DROPPED, {"t_end": 30}), ("shifted", DROPPED, {"gap": 0.5, "t_end": 12}),
+        ("far", DROPPED, {"t_end": 30}), ("apart", DROPPED, {"gap": 0.5, "t_end": 12}),
+        ("beside", DROPPED, {"gap": 0.2, "t_end": 12}),
         ("leaves", DROPPED, {"gap": 0.5, "speed": -0.03}),
         ("free", DROPPED.replace("wall y-=slip", "wall y-=free"), {"gap": 0.5}),
     ):
@@ -754,12 +762,12 @@ def near_walls(report):
         if name == "far":  # it widens: finite elements have 0.79 (verification/surfaces/elements.py)
             back = result.table("bodies.csv")[-1]["velocity_y"]/0.03
             report.check(
-                result["verdict"] == "coarse" and abs(back/0.79 - 1) < result["verdict_error"] == 0.3,
+                result["verdict"] == "coarse" and abs(back/0.79 - 1) < result["verdict_error"] < 0.2,
                 f"wall_far: comes back with {back}, {result['verdict_reasons']}",
             )
     narrow = run("wall_narrow", DROPPED.replace("poisson=0.3", "poisson=0"), t_end=30)
     back = narrow.table("bodies.csv")[-1]["velocity_y"]/0.03  # finite elements: 0.998
-    report.check(narrow["verdict_error"] == 0.1 and 0.9 < back < 1, f"wall_narrow: {back}, {narrow['verdict_reasons']}")
+    report.check(narrow["verdict"] == "sound" and 0.95 < back < 1, f"wall_narrow: {back}, {narrow['verdict_reasons']}")
     floor = DROPPED.replace("wall y-=slip", "").replace("y=0:open", "y=open").replace("poisson=0.3", "poisson=0")
     floor += "body b block material=m lower=(-2,-0.8) upper=(2,0)\nrigid b\ncontact a b\n"
     hard = coarse(report, "floor", floor, "bounce off each other", 0.15, t_end=30)  # 0.86, finite elements: 0.998

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A wall that nothing touches at the start is put a cell farther out: what is slow turns there where the deck has the
-wall (doc/loads.md, Bodies near walls); what touches one, flows or is fast has its wall where the deck says.
+"""Walls that nothing touches at the start (doc/loads.md, Bodies near walls): slip walls let go what meets them, fixed
+ones are put a cell farther out; what touches one, flows or is fast has its wall where the deck says.
 
 usage: walls_apart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -24,7 +24,7 @@ history steps=1
 """
 SHIFT = "parameter shift = auto\nparameter method = sgmp\n"
 SPACES = {
-    1: ("x=0:3", "x-=slip x+=slip", "lower=d>0?gap:3-gap-1 upper=d>0?gap+1:3-gap", "x"),
+    1: ("x=0:3", "x-=slip x+=fixed", "lower=d>0?gap:3-gap-1 upper=d>0?gap+1:3-gap", "x"),
     2: ("x=0:3 y=0:3/n", "x-=slip x+=fixed y-=slip y+=slip",
         "lower=(d>0?gap:3-gap-1,0) upper=(d>0?gap+1:3-gap,3/n)", "x"),
     3: ("x=0:2/n y=0:2/n z=0:3", "x-=slip x+=slip y-=slip y+=slip z-=slip z+=slip",
@@ -34,30 +34,58 @@ SPACES = {
 }
 FLOOR = """
 dimension 2
-grid cell=1 x=0:12 y=0:open
-wall x-=slip x+=slip y-=slip
+grid cell=1 y=0:open
+wall y-={kind}
 method sgmp
-time end=20 cfl=0.4
+time end=240 cfl=0.4
 material m elastic density=1 young=1 poisson=0
 {more}
 body a block material={matter} lower=(2,6) upper=(10,10) ppc=2
 velocity a y={speed}
 history steps=20
 """
+CORNER = """
+dimension {space}
+grid cell=1 x=0:open y=0:open
+wall x-=slip y-=slip reactions=yes
+method sgmp
+time end=130 cfl=0.4
+material m elastic density=1 young=1 poisson=0.3
+body a block material=m lower={low} upper={high} rotation=10 ppc=2
+body b block material=m lower=(9{up}9) upper=(12{top}12) ppc=2
+contact all
+velocity a x=-0.04 y=-0.03
+velocity b x=-0.04 y=-0.03
+history steps=20
+"""
+RESTS = """
+dimension 2
+grid cell=0.1 y=0:open
+wall y-=slip
+method sgmp
+damping rate=0.3
+time end=120 cfl=0.4
+gravity (0,-0.001)
+material m elastic density=1 young=1 poisson=0.3
+body m block material=m lower=(0,0.2) upper=(1,1.2) ppc=2
+history steps=50
+output csv at=end fields=stress
+"""
 WATER = "material w fluid density=1\neos w gruneisen c0=1 s=2 gamma0=0.1"
 report = Report()
 
 
 def early(result, settings, along):
-    """Cells by which a bar turns too early."""
+    """Cells by which a bar turns too early, and the velocity with which it comes back over the first."""
     rows = [row for row in result.table("bodies.csv") if row["name"] == "a"]
     up = settings.get("d", 1)
     turned = next(row["time"] for row in rows if up*row[f"velocity_{along}"] >= 0)
-    return 16*0.003*(0.4/0.003 + 1 - turned)
+    return 16*0.003*(0.4/0.003 + 1 - turned), up*rows[-1][f"velocity_{along}"]/0.003
 
 
 def bars():
-    """Within a third of a cell by all methods, in all spaces, at both ends; without the shift three quarters early."""
+    """Within a third of a cell by all methods, in all spaces, at both ends, and they come back; without the shift three
+    quarters early."""
     for space, (grid, walls, block, along) in SPACES.items():
         deck = SHIFT + BAR.format(space=space, grid=grid, walls=walls, block=block, along=along)
         for settings in ({}, {"d": -1}, {"shift": "none"}) if space != 3 else ({}, {"d": -1}):
@@ -65,31 +93,80 @@ def bars():
                 name = f"bar_{space}_{method}_" + "_".join(f"{key}{value}" for key, value in settings.items())
                 result = run(name, deck, method=method, **settings)
                 if report.finished(result, name):
-                    cells = early(result, settings, along)
+                    cells, back = early(result, settings, along)
                     right = 0.6 < cells < 1.2 if "shift" in settings else abs(cells) < 0.33
                     report.check(right, f"{name}: turns {cells:.2f} cells early")
+                    report.check(0.93 < back < 1.01, f"{name}: comes back with {back:.3f} of its velocity")
+                    drift = result["energy"]["drift"]
+                    report.check(abs(drift) < 0.03, f"{name}: energy drifts by {drift}")
+
+
+def rests():
+    """A block that falls on a wall and comes to rest there: its stress is its weight, row by row, and it lies on it."""
+    result = run("rests", RESTS)
+    if not report.finished(result, "rests"):
+        return
+    rows = {}
+    for row in result.table("particles_end.csv"):
+        rows.setdefault(round(row["y"], 3), []).append(row["stress_yy"]/1e-3)
+    for y, stresses in rows.items():
+        mean = sum(stresses)/len(stresses)
+        report.check(abs(mean + 1 - y) < 0.09, f"rests: stress {mean:.3f} at {y}, weight {1 - y:.3f}")
+    report.check(abs(min(rows) - 0.025) < 0.002, f"rests: lowest particles at {min(rows)}")
+
+
+def reactions():
+    """The impulse of walls that let go is what the momentum of the bodies gains, to round-off: a bar at an angle to
+    both, in the plane, in space, with two bodies of a field each."""
+    for name, deck in (
+        ("plane", CORNER.format(space=2, up=",", top=",", low="(2,3)", high="(6,6)")),
+        ("space", CORNER.format(space=3, up=",9,", top=",12,", low="(2,3,2)", high="(6,6,6)")
+                        .replace("y-=slip", "y-=slip z-=slip").replace("y=0:open", "y=0:open z=0:open")
+                        .replace("y=-0.03", "y=-0.03 z=-0.02")),
+    ):
+        result = run(f"weighed_{name}", deck)
+        if not report.finished(result, name):
+            continue
+        report.check(result["walls_let_go"] == (2 if name == "plane" else 3), f"{name}: {result['walls_let_go']}")
+        rows = result.table("bodies.csv")
+        for axis in "xy" if name == "plane" else "xyz":
+            first, last = ([row for row in rows if row["time"] == time] for time in (0, rows[-1]["time"]))
+            gained = sum(row["mass"]*row[f"velocity_{axis}"] for row in last) - \
+                sum(row["mass"]*row[f"velocity_{axis}"] for row in first)
+            pushed = result.table("history.csv")[-1][f"wall_{axis}-_impulse_{axis}"]
+            report.check(gained > 0.2 and abs(pushed/gained - 1) < 1e-9, f"{name}, {axis}: {gained}, wall {pushed}")
 
 
 def left_alone():
-    """Walls that something touches, liquids, what is fast, other words: as with shift=none."""
+    """Walls that something touches, liquids, what is fast, other words: as with shift=none. A fixed wall is put
+    outwards in the place of letting go, and so is one with friction."""
     seat = "body b block material=m lower=(2,0) upper=(10,4) ppc=2"
-    for name, more, matter, speed, moved in (
-        ("flies", "", "m", -0.03, True), ("touched", seat, "m", -0.03, False), ("liquid", WATER, "w", -0.01, False),
-        ("fast", "", "m", -0.11, False), ("beside", seat.replace("(2,0)", "(2,0.3)"), "m", -0.03, True),
-        ("close", seat.replace("(2,0)", "(2,0.2)"), "m", -0.03, False),
+    goes, moves = "wall y- lets go", "wall y- is a cell outside of 0"
+    for name, more, matter, speed, kind, words in (
+        ("flies", "", "m", -0.03, "slip", goes), ("touched", seat, "m", -0.03, "slip", None),
+        ("liquid", WATER, "w", -0.01, "slip", None), ("fast", "", "m", -0.11, "slip", None),
+        ("beside", seat.replace("(2,0)", "(2,0.1)"), "m", -0.03, "slip", goes),
+        ("close", seat.replace("(2,0)", "(2,0.01)"), "m", -0.03, "slip", None),
+        ("round", "body b sphere material=m centre=(6,2) radius=2 ppc=3", "m", -0.03, "slip", goes),
+        ("cut", "body b sphere material=m centre=(6,1.8) radius=2 ppc=3\nintersect b halfspace axis=(0,-1)", "m", -0.03,
+         "slip", None),
+        ("fixed", "", "m", -0.03, "fixed", moves), ("rubs", "wallfriction y- friction=0.2", "m", -0.03, "slip", moves),
+        ("fixed_close", seat.replace("(2,0)", "(2,0.2)"), "m", -0.03, "fixed", None),
     ):
-        deck = FLOOR.format(more=more, matter=matter, speed=speed)
+        deck = FLOOR.format(more=more, matter=matter, speed=speed, kind=kind)
         text = run(f"check_{name}", deck, options=("--check",)).text
-        report.check(("wall y- is a cell outside of 0" in text) == moved, f"{name}: {text}")
+        report.check((goes in text, moves in text) == (words == goes, words == moves), f"{name}: {text}")
         result = run(name, deck)
-        plain = run(f"{name}_plain", deck.replace("y-=slip", "y-=slip shift=none").replace("x-=slip x+=slip ", ""))
-        sides = run(f"{name}_sides", deck.replace("x-=slip x+=slip ", ""))
-        if report.finished(result, name) and report.finished(plain, name) and report.finished(sides, name):
-            report.check((plain["checksum"] == sides["checksum"]) != moved, f"{name}: shifted or not")
-            told = sides["walls_shifted"], plain["walls_shifted"]
-            report.check(told == (int(moved), 0), f"{name}: summary.json says {told}")
+        plain = run(f"{name}_plain", deck.replace(f"y-={kind}", f"y-={kind} shift=none"))
+        if report.finished(result, name) and report.finished(plain, name):
+            same = plain["checksum"] == result["checksum"]
+            report.check(same != bool(words), f"{name}: as a plane of symmetry or not")
+            told = result["walls_let_go"], result["walls_shifted"], plain["walls_let_go"], plain["walls_shifted"]
+            report.check(told == (words == goes, words == moves, 0, 0), f"{name}: summary.json says {told}")
 
 
 bars()
+rests()
+reactions()
 left_alone()
 report.end()

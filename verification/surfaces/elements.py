@@ -142,3 +142,87 @@ def bounce(nodes, quads, density, young, poisson, speed, end, samples=200, stiff
         v = v + (dt if step else 0.5 * dt) * a
         x = x + dt * v
     return np.array(rows)
+
+
+class Yielding(Mesh):
+    """Elements of an elastic and ideally plastic solid (von Mises): stresses follow the rate of deformation with
+    Jaumann's rate, volume changes are the same all over an element (no locking)."""
+
+    def __init__(self, nodes, quads, density, young, poisson, strength):
+        super().__init__(nodes, quads, density, young, poisson)
+        self.strength = strength
+        self.slopes = np.stack([
+            0.25 * np.column_stack(
+                [CORNERS[:, 0] * (1 + CORNERS[:, 1] * eta), CORNERS[:, 1] * (1 + CORNERS[:, 0] * xi)]
+            )
+            for xi, eta in GAUSS
+        ])
+        self.stress = np.zeros((4, len(self.quads), 4))              # xx, yy, zz, xy at each Gauss point
+
+    def gradients(self, x):
+        """Gradients of the shape functions at places x, volumes of the Gauss points."""
+        corner = x[self.quads]
+        jacobian = np.einsum("eai,gaj->geij", corner, self.slopes)
+        det = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+        inverse = np.empty_like(jacobian)
+        inverse[..., 0, 0], inverse[..., 1, 1] = jacobian[..., 1, 1] / det, jacobian[..., 0, 0] / det
+        inverse[..., 0, 1], inverse[..., 1, 0] = -jacobian[..., 0, 1] / det, -jacobian[..., 1, 0] / det
+        return np.einsum("gaj,geji->geai", self.slopes, inverse), det
+
+    def strain(self, x, v, dt):
+        """Stresses after a step with the velocity v, x the places in its middle."""
+        B, w = self.gradients(x)
+        L = np.einsum("eai,geaj->geij", v[self.quads], B)
+        volume = L[..., 0, 0] + L[..., 1, 1]
+        same = (w * volume).sum(0) / w.sum(0)
+        change = (same - volume) / 3
+        dxx, dyy, dzz = L[..., 0, 0] + change, L[..., 1, 1] + change, change
+        dxy, spin = 0.5 * (L[..., 0, 1] + L[..., 1, 0]), 0.5 * (L[..., 0, 1] - L[..., 1, 0])
+        s = self.stress
+        xx, yy, xy = s[..., 0], s[..., 1], s[..., 3]
+        turn = np.stack([2 * spin * xy, -2 * spin * xy, 0 * spin, spin * (yy - xx)], axis=-1)
+        rate = np.stack([dxx, dyy, dzz, dxy], axis=-1) * 2 * self.mu
+        rate[..., :3] += self.lam * (dxx + dyy + dzz)[..., None]
+        s = s + dt * (turn + rate)
+        mean = s[..., :3].mean(-1)
+        s[..., :3] -= mean[..., None]
+        mises = np.sqrt(1.5 * ((s[..., :3] ** 2).sum(-1) + 2 * s[..., 3] ** 2))
+        s *= np.minimum(1, self.strength / np.maximum(mises, 1e-300))[..., None]
+        s[..., :3] += mean[..., None]
+        self.stress = s
+
+    def force(self, x):
+        """Internal forces of the nodes at places x; the transpose of the strains that `strain` takes."""
+        B, w = self.gradients(x)
+        s = self.stress
+        mean = s[..., :3].mean(-1)
+        same = (w * mean).sum(0) / w.sum(0)
+        shift = same - mean                                          # what the common volume change does
+        P = np.empty(s.shape[:2] + (2, 2))
+        P[..., 0, 0], P[..., 1, 1] = s[..., 0] + shift, s[..., 1] + shift
+        P[..., 0, 1] = P[..., 1, 0] = s[..., 3]
+        f = -(np.matmul(B, P) * w[..., None, None]).sum(0)
+        flat, f = self.quads.ravel(), f.reshape(-1, 2)
+        return np.column_stack([np.bincount(flat, f[:, k], len(x)) for k in range(2)])
+
+
+def bounce_yielding(nodes, quads, density, young, poisson, strength, speed, end, stiffness=1.0):
+    """The same flight of a body that yields: its mean velocity at the end over the first, and the least place of its
+    centre of mass over its place at rest on the wall."""
+    mesh = Yielding(nodes, quads, density, young, poisson, strength)
+    x, v = nodes.copy(), np.zeros_like(nodes)
+    v[:, 0] = speed
+    axis = np.abs(nodes[:, 1]) < 1e-9 * np.ptp(nodes[:, 0])
+    spring = stiffness * mesh.m * (mesh.speed / mesh.side) ** 2
+    steps = int(np.ceil(end / (0.6 * mesh.dt)))
+    dt, total, deepest = end / steps, mesh.m.sum() * speed, -np.inf
+    for step in range(steps):
+        f = mesh.force(x)
+        f[:, 0] -= spring * np.maximum(x[:, 0], 0)
+        a = f / mesh.m[:, None]
+        a[axis, 1] = 0
+        v = v + (dt if step else 0.5 * dt) * a
+        mesh.strain(x + 0.5 * dt * v, v, dt)
+        x = x + dt * v
+        deepest = max(deepest, mesh.m @ x[:, 0] / mesh.m.sum())
+    return mesh.m @ v[:, 0] / total, deepest

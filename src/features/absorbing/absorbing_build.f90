@@ -14,7 +14,7 @@
 !! last, k_n = 2 G and half of q.
 module sgmp_absorbing_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: constitutive_t, eos_none
+  use sgmp_constitutive, only: constitutive_t, law_wave_modulus
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
   use sgmp_kinds, only: dp, lanes
@@ -72,10 +72,7 @@ contains
   pure function impedance(law) result(z)
     type(constitutive_t), intent(in) :: law
     real(dp) :: z(2)
-    real(dp) :: bulk                   !! modulus
-    bulk = law%elastic%bulk
-    if (law%eos /= eos_none) bulk = law%density*law%bulk_speed**2
-    z(1) = sqrt(law%density*(bulk + 4.0_dp/3.0_dp*law%elastic%shear))
+    z(1) = sqrt(law%density*law_wave_modulus(law))
     z(2) = sqrt(law%density*law%elastic%shear)
   end function impedance
 

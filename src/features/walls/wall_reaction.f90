@@ -30,7 +30,8 @@ contains
   pure logical function wall_reacts(mesh, side, axis) result(yes)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: side, axis
-    yes = mesh%walls_weigh .and. any(mesh%wall(side, axis) == [wall_slip, wall_fixed])
+    yes = mesh%walls_weigh .and. (mesh%one_sided(side, axis) .or. &
+                                  any(mesh%wall(side, axis) == [wall_slip, wall_fixed]))
   end function wall_reacts
 
   !> Terms of the balance that hold the impulses of the walls on the matter, and change nothing.
@@ -96,7 +97,7 @@ contains
       do axis = 1, mesh%ndim
         if (fields(f)%columns%behind(axis) == 0) cycle
         do side = 1, 2
-          if (wall_reacts(mesh, side, axis)) then
+          if (wall_reacts(mesh, side, axis) .and. .not. mesh%one_sided(side, axis)) then
             call book_face(mesh, fields(f), axis, side, own, size(bodies)*sweep_sums, tally)
           end if
         end do
