@@ -197,7 +197,9 @@ contains
     integer, intent(in) :: axis
     character(:), allocatable :: text
     text = 'open'
-    if (grid%one_sided(2, axis) .or. .not. grid%open(2, axis)) text = real_text_tidy(grid%upper(axis))
+    if (grid%one_sided(2, axis) .or. .not. grid%open(2, axis)) then
+      text = real_text_tidy(grid%upper(axis))
+    end if
   end function end_text
 
   !> Where a plane of symmetry across an axis may be: midway between the ends of the grid, in an
