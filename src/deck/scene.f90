@@ -56,6 +56,7 @@ module sgmp_scene
     logical :: shifts = .true.                      !! walls that nothing touches are put outwards
     logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): this one is
     logical :: one_sided(2, 3) = .false.            !! and this one lets go: an open face
+    real(dp) :: rough(2, 3) = 0.0_dp                !! its friction; huge: nothing slides
     type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
     type(graded_axis_t) :: axes(3)                  !! whose cells are unequal

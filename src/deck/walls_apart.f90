@@ -1,13 +1,13 @@
 !> Walls of the grid that nothing touches at the start (doc/loads.md, Bodies near walls).
 !!
 !! A wall is a plane of symmetry: what flies at one shares nodes with its image from a cell away,
-!! comes to rest there, a cell early if it is slow, and is held where it would leave. So a slip wall
-!! that nothing touches lets go (sgmp_one_sided). One that does more than to hold what comes is put
-!! a cell farther out: what is slow then rests where the deck has the wall.
+!! comes to rest there, a cell early if it is slow, and is held where it would leave. So a wall that
+!! nothing touches lets go (sgmp_one_sided). One that moves is put a cell farther out: what is slow
+!! then rests where the deck has the wall.
 module sgmp_walls_apart
   use sgmp_constitutive, only: law_is_spherical, law_wave_modulus
   use sgmp_fast_scenes, only: largest_speed_of
-  use sgmp_features, only: features_walls_act
+  use sgmp_features, only: features_friction, features_release
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
   use sgmp_scene, only: grid_card_t, scene_space, scene_t
@@ -41,28 +41,33 @@ contains
     end do
   end subroutine walls_apart_settle
 
-  !> The same of one wall, if there is one.
+  !> The same of one wall, if there is one: it lets go if it rests, and where things slide along it
+  !! if they do not turn about the axis.
   pure subroutine settle_wall(scene, axis, side, gap)
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: axis, side
     real(dp), intent(in) :: gap                  !! to the nearest body (cells)
-    logical :: plain
-    plain = scene%grid%wall(side, axis) == wall_slip .and. .not. features_walls_act(scene%features)
-    if (plain) then
-      if (gap > touching) call let_go(scene%grid, axis, side)
-    else if (any(scene%grid%wall(side, axis) == [wall_slip, wall_fixed])) then
-      if (gap > apart) call put_out(scene%grid, axis, side)
-    end if
+    real(dp) :: friction
+    logical :: rests
+    friction = features_friction(scene%features, side, axis)
+    associate (grid => scene%grid)
+      if (.not. any(grid%wall(side, axis) == [wall_slip, wall_fixed])) return
+      if (grid%wall(side, axis) == wall_fixed) friction = huge(1.0_dp)
+      associate (velocity => grid%wall_velocity(:, side, axis))
+        rests = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
+      end associate
+      if (rests .and. .not. (scene%swirl .and. friction > 0.0_dp)) then
+        if (gap <= touching) return
+        grid%one_sided(side, axis) = .true.
+        grid%rough(side, axis) = friction
+        grid%wall(side, axis) = wall_free
+        grid%open(side, axis) = .true.
+        call features_release(scene%features, side, axis)
+      else if (gap > apart) then
+        call put_out(grid, axis, side)
+      end if
+    end associate
   end subroutine settle_wall
-
-  !> Makes a wall one that lets go: the grid goes on behind it.
-  pure subroutine let_go(grid, axis, side)
-    type(grid_card_t), intent(inout) :: grid
-    integer, intent(in) :: axis, side
-    grid%one_sided(side, axis) = .true.
-    grid%wall(side, axis) = wall_free
-    grid%open(side, axis) = .true.
-  end subroutine let_go
 
   !> Puts a wall a cell farther out.
   pure subroutine put_out(grid, axis, side)

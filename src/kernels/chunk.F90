@@ -34,7 +34,8 @@ module DIM(sgmp_chunk)
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
-  use sgmp_one_sided, only: one_sided_drift, one_sided_lever, one_sided_push, one_sided_strain
+  use sgmp_one_sided, only: one_sided_drift, one_sided_flux, one_sided_levers, one_sided_push, &
+                            one_sided_strain
   use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
@@ -352,8 +353,8 @@ contains
                         plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), nb, motion, state)
     end if
     if (plan%drift .and. size(body%walls) > 0) then
-      call one_sided_drift(mesh, body%walls, task%live(1, nl), motion, state(1, 1), &
-                           plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), &
+      call one_sided_drift(mesh, body%walls, task%live(1, nl), motion, &
+                           plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), state, &
                            lane_sums(1, sum_applied))
     end if
     if (plan%drift .and. mesh%graded) then
@@ -383,7 +384,7 @@ contains
                                              state)
     end if
     if (plan%strain .and. size(body%walls) > 0) then
-      call one_sided_strain(mesh, body%walls, task%live(1, nl), motion, state(1, 1), &
+      call one_sided_strain(mesh, body%walls, task%live(1, nl), motion, state, &
                             plan%dt_strain, got(1, task%gradient), lane_sums(1, sum_applied))
     end if
     if (body%faced .and. plan%strain) then
@@ -453,7 +454,7 @@ contains
     if (NDIM < 3) cell(nl + 1:) = -1
     call scatter(task, plan%stress, xi, cell, axes, values, stencil)
     if (task%push > 0 .and. task%centred) then
-      call scatter_walls(mesh, body%walls, task, id, motion, state(1, 1), xi, cell, stencil)
+      call scatter_walls(mesh, body%walls, task, id, motion, state, nb, xi, cell, stencil)
     end if
     if (body%faced .and. plan%faces > 0) then
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
@@ -1120,33 +1121,38 @@ contains
     if (task%volume > 0) values(:, task%volume) = live*state(:, 1)
     if (task%apart(1) == 0) return
     values(:, task%apart(1):task%apart(2)) = 0.0_dp
-    if (task%push > 0) call one_sided_push(mesh, body%walls, live, motion, state(1, 1), &
+    if (task%push > 0) call one_sided_push(mesh, body%walls, live, motion, state, &
                                            values(1, task%push), values(1, task%flux + 1))
     if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
                                         motion, state, values(1, task%apart(1)))
   end subroutine collect_rest
 
   !> Adds the levers of the forces of walls that let go, on those particles that have stayed.
-  pure subroutine scatter_walls(mesh, walls, task, id, motion, volume, xi, cell, stencil)
+  pure subroutine scatter_walls(mesh, walls, task, id, motion, state, nb, xi, cell, stencil)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     type(task_t), intent(in) :: task
     integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), volume(lanes), xi(lanes, NDIM)
-    integer, intent(in) :: cell(lanes)
+    integer, intent(in) :: nb, cell(lanes)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb), xi(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: lever(lanes), end(lanes, NDIM)
-    integer :: side, w
+    real(dp) :: levers(lanes, 3), end(lanes, NDIM)
+    logical :: some
+    integer :: a, column, side, w
     do w = 1, size(walls)
-      associate (a => walls(w)%axis)
-        lever = one_sided_lever(mesh, walls(w), merge(1.0_dp, 0.0_dp, id /= 0), motion(:, a), &
-                                xi(:, a), volume)
-        if (all(abs(lever) <= 0.0_dp)) cycle
+      associate (wall => walls(w))
+        call one_sided_levers(mesh, wall, merge(1.0_dp, 0.0_dp, id /= 0), motion, state, &
+                              xi(:, wall%axis), levers, some)
+        if (.not. some) cycle
         do side = 0, 1
           end = xi
-          end(:, a) = side
-          call linear_scatter(1, end, cell, (2*side - 1)*lever, task%nq, &
-                              stencil(1, task%pairs + task%forces + a, 1))
+          end(:, wall%axis) = side
+          do a = 1, NDIM
+            if (wall%columns(a) == 0) cycle
+            column = task%pairs + task%forces + one_sided_flux(mesh, wall, a)
+            call linear_scatter(1, end, cell, (2*side - 1)*levers(:, a), task%nq, &
+                                stencil(1, column, 1))
+          end do
         end do
       end associate
     end do

@@ -34,6 +34,7 @@ module DIM(sgmp_nodes)
   use DIM(sgmp_surfaces), only: surfaces_push, surfaces_push_twists
 #endif
   use sgmp_method, only: method_t
+  use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_sums, only: nodes_edge_push, nodes_edge_taken, nodes_external, nodes_lost, &
                        nodes_mass_aa, nodes_mass_av, nodes_sums
   use sgmp_voigt, only: flux_between
@@ -461,10 +462,12 @@ contains
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
     real(dp) :: t(tile)
+    logical :: acts(3)
     integer :: a, column
     column = field%columns%push
+    acts = one_sided_components(mesh)
     do a = 1, NDIM
-      if (.not. any(mesh%one_sided(:, a))) cycle
+      if (.not. acts(a)) cycle
       call spread_force(field, s, first, n, column, t)
       f(:n, a) = f(:n, a) + t(:n)
       column = column + 1

@@ -16,7 +16,7 @@ module DIM(sgmp_sweep_movers)
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_total
   use sgmp_movers, only: movers_t
-  use sgmp_one_sided, only: one_sided_lever
+  use sgmp_one_sided, only: one_sided_flux, one_sided_levers
   use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_plan, only: plan_t
   use sgmp_rebinning, only: arrivals_t
@@ -74,16 +74,16 @@ contains
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
     real(dp), allocatable :: force(:, :, :), w_face(:, :, :), levers(:, :, :), &
         g_face(:, :, :, :)                       ! of the loads on faces
-    real(dp), allocatable :: lever(:, :), slopes(:, :, :)  ! of walls that let go
+    real(dp), allocatable :: levers_walls(:, :, :), slopes(:, :, :)  ! of walls that let go
     logical :: forces
-    integer :: cell, i, l
+    integer :: cell, l
     forces = plan%stress .and. .not. task%centred
     call mover_weights(task, body, forces, lists, list, at, xi, w, g)
     if (body%faced .and. plan%faces > 0) then
       call mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w_face, levers, g_face)
     end if
     if (task%push > 0 .and. task%centred) then
-      call mover_walls(mesh, body%walls, lists, list, at, xi, lever, slopes)
+      call mover_walls(mesh, body%walls, lists, list, at, xi, levers_walls, slopes)
     end if
     do l = 1, size(at)
       associate (movers => lists(list(l)))
@@ -97,13 +97,8 @@ contains
         call add_mover(task, forces, l, w, g, movers%values(1, at(l)), pile%sums)
         if (task%pairs > 0) call add_mover_pairs(task, xi(l, :), w(l, :), &
                                                  movers%values(1, at(l)), pile%sums)
-        if (allocated(lever)) then
-          do i = 1, size(lever, 2)
-            associate (a => body%walls(i)%axis)
-              call add_product(NCORNER, lever(l, i), slopes(l, :, a), &
-                               pile%sums(1, task%pairs + task%forces + a))
-            end associate
-          end do
+        if (allocated(slopes)) then
+          call add_mover_walls(mesh, body%walls, task, l, levers_walls, slopes, pile%sums)
         end if
         if (allocated(force)) call add_mover_faces(task, plan, l, force, w_face, levers, g_face, &
                                                    pile%sums)
@@ -144,34 +139,53 @@ contains
   end subroutine mover_weights
 
   !> Levers of the forces of walls that let go on some movers, and derivatives of the weights.
-  pure subroutine mover_walls(mesh, walls, lists, list, at, xi, lever, slopes)
+  pure subroutine mover_walls(mesh, walls, lists, list, at, xi, levers, slopes)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     real(dp), intent(in) :: xi(lanes, NDIM)      !! position in the cell
-    real(dp), allocatable, intent(out) :: lever(:, :)      !! (lanes, walls)
+    real(dp), allocatable, intent(out) :: levers(:, :, :)  !! (lanes, 3, walls)
     real(dp), allocatable, intent(out) :: slopes(:, :, :)  !! per cell
-    real(dp) :: live(lanes), motion(lanes, NDIM), volume(lanes)
+    real(dp), allocatable :: state(:, :)
+    real(dp) :: live(lanes), motion(lanes, motion_total(NDIM))
+    logical :: some
     integer :: l, w
+    allocate (state(lanes, size(lists(list(1))%particle, 1) - motion_total(NDIM)), source=1.0_dp)
     live = 0.0_dp
     motion = 0.5_dp
-    volume = 1.0_dp
     do l = 1, size(at)
       associate (particle => lists(list(l))%particle(:, at(l)))
         live(l) = 1.0_dp
-        motion(l, :) = particle(:NDIM)
-        volume(l) = particle(motion_total(NDIM) + 1)
+        motion(l, :) = particle(:motion_total(NDIM))
+        state(l, :) = particle(motion_total(NDIM) + 1:)
       end associate
     end do
-    allocate (lever(lanes, size(walls)), slopes(lanes, NCORNER, NDIM))
+    allocate (levers(lanes, 3, size(walls)), slopes(lanes, NCORNER, NDIM))
     do w = 1, size(walls)
-      associate (a => walls(w)%axis)
-        lever(:, w) = one_sided_lever(mesh, walls(w), live, motion(:, a), xi(:, a), volume)
-      end associate
+      call one_sided_levers(mesh, walls(w), live, motion, state, xi(:, walls(w)%axis), &
+                            levers(:, :, w), some)
     end do
     call linear_gradients(xi, 1.0_dp, slopes)
   end subroutine mover_walls
+
+  !> The same for one of them, added.
+  pure subroutine add_mover_walls(mesh, walls, task, lane, levers, slopes, sums)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: walls(:)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: lane
+    real(dp), intent(in) :: levers(:, :, :), slopes(:, :, :)
+    real(dp), intent(inout) :: sums(largest_stencil, most_columns)
+    integer :: a, w
+    do w = 1, size(walls)
+      do a = 1, NDIM
+        if (walls(w)%columns(a) == 0) cycle
+        call add_product(NCORNER, levers(lane, a, w), slopes(lane, :, walls(w)%axis), &
+                         sums(1, task%pairs + task%forces + one_sided_flux(mesh, walls(w), a)))
+      end do
+    end do
+  end subroutine add_mover_walls
 
   !> Pressure and traction on the faces of some movers, and the weights where they act.
   subroutine mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w, levers, g)

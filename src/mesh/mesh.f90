@@ -41,6 +41,7 @@ module sgmp_mesh
     logical :: absorbs(2, 3) = .false.   !! edges that let waves out: open faces
     integer :: edge(2, 3) = 0            !! nodes where these lie
     logical :: one_sided(2, 3) = .false.  !! walls that let go: open faces, springs on particles
+    real(dp) :: rough(2, 3) = 0.0_dp     !! their friction: 0 smooth, huge: nothing slides
     logical :: walls_move = .false.      !! some fixed wall moves along itself
     logical :: walls_weigh = .false.     !! reactions of walls are asked for
     logical :: walls_act = .false.       !! or does more than to hold what comes
@@ -59,7 +60,8 @@ contains
 
   !> A mesh from plain arguments; faces that are not open must be a whole number of cells apart. An
   !! axisymmetric one begins at the axis.
-  pure function mesh_make(space, h, lower, upper, open, wall, axes, one_sided) result(mesh)
+  pure function mesh_make(space, h, lower, upper, open, wall, axes, one_sided, &
+                          rough) result(mesh)
     integer, intent(in) :: space          !! number of dimensions, or space_axisymmetric
     real(dp), intent(in) :: h             !! cell side (length)
     real(dp), intent(in) :: lower(3), upper(3)  !! corners of the box (length)
@@ -67,6 +69,7 @@ contains
     integer, intent(in) :: wall(2, 3)     !! kind of wall per face
     type(graded_axis_t), intent(in), optional :: axes(3)  !! whose cells are unequal
     logical, intent(in), optional :: one_sided(2, 3)  !! open faces with walls that let go
+    real(dp), intent(in), optional :: rough(2, 3)     !! their friction
     type(mesh_t) :: mesh
     integer :: axis
     mesh%ndim = space_dimensions(space)
@@ -81,6 +84,7 @@ contains
     end if
     if (present(axes)) mesh%axes = axes
     if (present(one_sided)) mesh%one_sided = one_sided
+    if (present(rough)) mesh%rough = rough
     mesh%open = mesh%open .and. .not. mesh%one_sided
     mesh%graded = any(mesh%axes(:mesh%ndim)%graded)
     do axis = 1, mesh%ndim

@@ -8,10 +8,13 @@ module sgmp_one_sided_wall
   !> One such wall, as the particles of one body meet it.
   type :: one_sided_wall_t
     integer :: side = 0, axis = 0      !! lower or upper face of the grid, axis
-    integer :: column = 0              !! of those for such forces: one for each axis
+    integer :: columns(3) = 0          !! of those for such forces, by components; 0: there is none
     real(dp) :: place = 0.0_dp         !! along the axis (cells)
     real(dp) :: stiffness = 0.0_dp     !! pressure per depth to which a face has come
     real(dp) :: spacing = 0.0_dp       !! of the particles (length)
+    real(dp) :: friction = 0.0_dp      !! coefficient; 0: smooth, huge: what is pressed on it stays
+    real(dp) :: grip = 0.0_dp          !! shear stress per way along the wall
+    integer :: way = 0                 !! state column of that way, its first component; 0: smooth
   end type one_sided_wall_t
 
 end module sgmp_one_sided_wall

@@ -73,7 +73,7 @@ contains
     type(columns_t), intent(inout) :: columns
     associate (bodies => model%bodies, ndim => model%mesh%ndim, centred => kernel_centred(kernel))
       if (any(bodies%forced)) call loads_ask(columns, ndim)
-      call one_sided_ask(columns, any(model%mesh%one_sided(:, :ndim), dim=1))
+      call one_sided_ask(columns, model%mesh)
       if (.not. any(bodies%faced)) return
       call loads_ask_faces(columns, ndim, centred)
       if (corrected .and. centred) call surfaces_ask_faces(columns, ndim)

@@ -38,7 +38,7 @@ module sgmp_build_model
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
-  use sgmp_one_sided_build, only: one_sided_declare
+  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare, one_sided_find_columns
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill, particles_t
@@ -89,7 +89,7 @@ contains
     if (present(empty)) seeded = .not. empty
     associate (grid => scene%grid)
       model%mesh = mesh_make(scene_space(scene), grid%cell, grid%lower, grid%upper, grid%open, &
-                             grid%wall, grid%axes, grid%one_sided)
+                             grid%wall, grid%axes, grid%one_sided, grid%rough)
     end associate
     model%mesh%hoop = scene%method%hoop
     model%mesh%walls_weigh = scene%grid%reactions
@@ -304,6 +304,8 @@ contains
       call stage_columns(scene%features, mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
+      call one_sided_add_columns(mesh%ndim, body)
+      call one_sided_find_columns(mesh%ndim, body)
       call find_places(mesh, x)
       call seeding_check_inside(card, mesh, x, error)
       if (.not. allocated(error)) call seeding_check_size(card, mesh, x, volume, error)

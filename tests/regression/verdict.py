@@ -207,7 +207,7 @@ DILATING = """
 parameter dilatancy = 30
 dimension 2
 grid cell=0.05 x=-1:1 y=0:1.5
-wall y-=fixed
+wall y-=fixed shift=none
 lost remove
 method sgmp
 time end=1 cfl=0.4

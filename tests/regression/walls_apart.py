@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Walls that nothing touches at the start (doc/loads.md, Bodies near walls): slip walls let go what meets them, fixed
-ones are put a cell farther out; what touches one, flows or is fast has its wall where the deck says.
+"""Walls that nothing touches at the start (doc/loads.md, Bodies near walls): they let go what meets them, those that
+move are put a cell farther out; what touches one, flows or is fast has its wall where the deck says.
 
 usage: walls_apart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
+import math
+
 from _runs import Report, run
 
 # An elastic bar without Poisson's ratio: it rests for an instant when the wave has come back to its middle.
@@ -57,6 +59,18 @@ contact all
 velocity a x=-0.04 y=-0.03
 velocity b x=-0.04 y=-0.03
 history steps=20
+"""
+GRAZES = """
+dimension {space}
+grid cell={cell} y=0:open
+wall y-=slip reactions=yes
+wallfriction y- friction=0.1
+method sgmp
+time end={end} cfl=0.4
+material m elastic density=1 young=1 poisson=0.3
+body a {shape} material=m ppc=2
+velocity a {v}
+history steps=5
 """
 RESTS = """
 dimension 2
@@ -137,21 +151,58 @@ def reactions():
             report.check(gained > 0.2 and abs(pushed/gained - 1) < 1e-9, f"{name}, {axis}: {gained}, wall {pushed}")
 
 
+def rubs():
+    """Bodies that graze a rough wall lose mu times what they gain across it, to round-off, while all slides; a block
+    slides as far as its velocity takes it; on a slope it stays; on a fixed wall nothing moves along it."""
+    for name, shape, space, more in (
+        ("disk", "sphere centre=(0.03,0.65) radius=0.5", 2, ""),
+        ("block", "block lower=(0,0.15) upper=(1,1.15)", 2, ""),
+        ("space", "block lower=(0,0.15,0) upper=(1,1.15,1)", 3, " z=0.02"),
+    ):
+        v, cell = f"x=0.05 y=-0.02{more}", 0.1 if space == 2 else 0.2
+        result = run(f"grazes_{name}", GRAZES.format(space=space, shape=shape, v=v, cell=cell, end=20))
+        if not report.finished(result, f"grazes_{name}"):
+            continue
+        first, last = result.table("bodies.csv")[0], result.table("bodies.csv")[-1]
+        gained = last["velocity_y"] - first["velocity_y"]
+        lost = math.hypot(first["velocity_x"], first["velocity_z"]) - math.hypot(last["velocity_x"], last["velocity_z"])
+        report.check(gained > 0.036 and abs(lost/(0.1*gained) - 1) < (1e-9 if space == 2 else 2e-3),
+                     f"grazes_{name}: loses {lost}, gains {gained}")
+        report.check(abs(result["energy"]["drift"]) < 0.02, f"grazes_{name}: drift {result['energy']['drift']}")
+        pushed = result.table("history.csv")[-1]["wall_y-_impulse_x"]/first["mass"]
+        report.check(abs(pushed/(last["velocity_x"] - first["velocity_x"]) - 1) < 1e-9, f"grazes_{name}: wall {pushed}")
+    slides = GRAZES.format(space=2, shape="block lower=(0,0.0022) upper=(2,0.5022)", v="x=0.02", cell=0.1, end=120)
+    for name, deck, way, allowed in (
+        ("slides", slides.replace("friction=0.1", "friction=0.3") + "gravity (0,-1e-3)\n", 0.02**2/0.6e-3, 0.03),
+        ("slope", slides.replace("friction=0.1", "friction=0.5").replace("velocity a x=0.02", "") +
+         "gravity (2e-4,-1e-3)\ndamping rate=0.2\n", 0, 0.006),
+        ("fixed", slides.replace("wallfriction y- friction=0.1", "").replace("y-=slip", "y-=fixed")
+         .replace("velocity a x=0.02", "") + "gravity (5e-4,-1e-3)\ndamping rate=0.2\n", 0, 0.006),
+    ):
+        result = run(name, deck)
+        if report.finished(result, name):
+            gone = result.table("bodies.csv")[-1]["x"] - result.table("bodies.csv")[0]["x"]
+            report.check(abs(gone - way) < allowed, f"{name}: goes {gone}, not {way}")
+            report.check(result["walls_let_go"] == 1, f"{name}: {result['walls_let_go']} walls let go")
+
+
 def left_alone():
-    """Walls that something touches, liquids, what is fast, other words: as with shift=none. A fixed wall is put
-    outwards in the place of letting go, and so is one with friction."""
+    """Walls that something touches, liquids, what is fast, other words: as with shift=none. A wall that moves is put
+    outwards in the place of letting go."""
     seat = "body b block material=m lower=(2,0) upper=(10,4) ppc=2"
     goes, moves = "wall y- lets go", "wall y- is a cell outside of 0"
+    moving = "wallmotion y- x=min(t/100,1)*0.01"
     for name, more, matter, speed, kind, words in (
         ("flies", "", "m", -0.03, "slip", goes), ("touched", seat, "m", -0.03, "slip", None),
-        ("liquid", WATER, "w", -0.01, "slip", None), ("fast", "", "m", -0.11, "slip", None),
+        ("liquid", WATER, "w", -0.01, "slip", None), ("fast", "", "m", -0.12, "slip", None),
         ("beside", seat.replace("(2,0)", "(2,0.1)"), "m", -0.03, "slip", goes),
         ("close", seat.replace("(2,0)", "(2,0.01)"), "m", -0.03, "slip", None),
         ("round", "body b sphere material=m centre=(6,2) radius=2 ppc=3", "m", -0.03, "slip", goes),
         ("cut", "body b sphere material=m centre=(6,1.8) radius=2 ppc=3\nintersect b halfspace axis=(0,-1)", "m", -0.03,
          "slip", None),
-        ("fixed", "", "m", -0.03, "fixed", moves), ("rubs", "wallfriction y- friction=0.2", "m", -0.03, "slip", moves),
-        ("fixed_close", seat.replace("(2,0)", "(2,0.2)"), "m", -0.03, "fixed", None),
+        ("fixed", "", "m", -0.03, "fixed", goes), ("rubs", "wallfriction y- friction=0.2", "m", -0.03, "slip", goes),
+        ("fixed_close", seat, "m", -0.03, "fixed", None), ("moves", moving, "m", -0.03, "fixed", moves),
+        ("moves_close", moving + "\n" + seat.replace("(2,0)", "(2,0.2)"), "m", -0.03, "fixed", None),
     ):
         deck = FLOOR.format(more=more, matter=matter, speed=speed, kind=kind)
         text = run(f"check_{name}", deck, options=("--check",)).text
@@ -167,6 +218,7 @@ def left_alone():
 
 bars()
 rests()
+rubs()
 reactions()
 left_alone()
 report.end()

@@ -2,96 +2,201 @@
 !!
 !! The face of a particle with the volume V and the spacing s lies s/2 from its centre. Where it is
 !! beyond the wall by the depth d it is pushed back by
-!!     f = K d V/s,   K = 0.4 rho c^2/h,
+!!     f = K d V/s,   K = 0.4 rho c^2/h,                                                     (OS1)
 !! the force of a spring with the energy K d^2 V/(2 s), which comes back. Nothing holds it when it
-!! leaves.
+!! leaves. A rough wall holds it along itself, by the way u that it has gone since it touched:
+!!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h,                                       (OS2)
+!! Coulomb's law with an elastic way before it slides; beyond the limit u is cut back to it.
 !!
-!! The force acts at the face. Particles bring it to the grid where they are, with f s/2 beside the
-!! product of their stress and volume, and where stresses act at centres with
-!!     f/h (h^2 xi (1 - xi)/2 - s^2/8)
-!! more at the centre above than at the one below, xi the place between them: so it gets to the
+!! The forces act at the face. Particles bring them to the grid where they are, with f s/2 beside
+!! the product of their stress and volume, and where stresses act at centres with
+!!     f/h (h^2 xi (1 - xi)/2 - s^2/8)                                                       (OS3)
+!! more at the centre above than at the one below, xi the place between them: so they get to the
 !! nodes by the function whose gradient stresses see there, and a uniform stress is in equilibrium
-!! with it (sgmp_loads). Its work is that on the way of the particle and, by the strain, on that of
-!! the face from there.
+!! with them (sgmp_loads). Their work is that on the way of the particle and, by the strain, on that
+!! of the face from there.
 module sgmp_one_sided
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_one_sided_wall, only: one_sided_wall_t
   implicit none
   private
-  public :: one_sided_drift, one_sided_force, one_sided_lever, one_sided_push, one_sided_strain
+  public :: one_sided_drift, one_sided_flux, one_sided_forces, one_sided_levers, one_sided_push, &
+            one_sided_strain
+
+  !> Place of the stress between two axes among those that exert a force, where there are so many
+  !! axes.
+  integer, parameter :: shear(3, 3, 3) = reshape([ &
+    1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 3, 0, 3, 2, 0, 0, 0, 0, 1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3, 3])
 
 contains
 
   !> Adds the forces of walls on a chunk to the columns for them, and what they do across it to the
   !! products of stresses and volumes.
-  pure subroutine one_sided_push(mesh, walls, live, motion, volume, force, flux)
+  pure subroutine one_sided_push(mesh, walls, live, motion, state, force, flux)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     real(dp), intent(in) :: live(lanes)          !! 0 for pads
     real(dp), intent(in) :: motion(lanes, *)     !! places first (cells)
-    real(dp), intent(in) :: volume(lanes)
-    real(dp), intent(inout) :: force(lanes, *)   !! (one column for each axis that has such walls)
-    real(dp), intent(inout) :: flux(lanes, *)    !! normal stresses first
-    real(dp) :: push(lanes)
-    integer :: w
+    real(dp), intent(in) :: state(lanes, *)      !! volumes first
+    real(dp), intent(inout) :: force(lanes, *)
+    real(dp), intent(inout) :: flux(lanes, *)
+    real(dp) :: push(3)
+    integer :: a, l, w
     do w = 1, size(walls)
-      associate (wall => walls(w), a => walls(w)%axis)
-        if (.not. reached(wall, motion(:, a))) cycle
-        push = live*one_sided_force(mesh, wall, motion(:, a), volume)
-        force(:, wall%column) = force(:, wall%column) + push
-        flux(:, a) = flux(:, a) + 0.5_dp*wall%spacing*abs(push)
+      associate (wall => walls(w))
+        if (.not. reached(wall, motion(:, wall%axis))) cycle
+        do l = 1, lanes
+          if (live(l) <= 0.0_dp) cycle
+          push = forces_on(mesh, wall, l, motion, state)
+          do a = 1, mesh%ndim
+            if (wall%columns(a) == 0) cycle
+            force(l, wall%columns(a)) = force(l, wall%columns(a)) + push(a)
+            associate (stress => flux(l, one_sided_flux(mesh, wall, a)))
+              stress = stress + 0.5_dp*wall%spacing*inwards(wall)*push(a)
+            end associate
+          end do
+        end do
       end associate
     end do
   end subroutine one_sided_push
 
-  !> What the force of a wall adds at the centre above a particle along the wall's axis, and takes
-  !! at the one below; zero where nothing is pushed.
-  pure function one_sided_lever(mesh, wall, live, place, xi, volume) result(lever)
+  !> Where the stress is by which the component `a` of a wall's force acts across a particle.
+  pure integer function one_sided_flux(mesh, wall, a) result(place)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
-    real(dp), intent(in) :: live(lanes), volume(lanes)
-    real(dp), intent(in) :: place(lanes), xi(lanes)  !! along the axis; from the centre below
-    real(dp) :: lever(lanes)
-    lever = live*one_sided_force(mesh, wall, place, volume)* &
-            (0.5_dp*mesh%h*xi*(1.0_dp - xi) - 0.125_dp*mesh%inverse_h*wall%spacing**2)
-  end function one_sided_lever
+    integer, intent(in) :: a
+    place = shear(a, wall%axis, mesh%ndim)
+  end function one_sided_flux
 
-  !> Adds the energy that walls give to the particles of a chunk as they drift.
-  pure subroutine one_sided_drift(mesh, walls, live, motion, volume, drifted, work)
+  !> What the forces of a wall add at the centre above a particle along the wall's axis, and take at
+  !! the one below, component by component (OS3); zero where nothing is pushed.
+  pure subroutine one_sided_levers(mesh, wall, live, motion, state, xi, levers, some)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: live(lanes), motion(lanes, *), state(lanes, *)
+    real(dp), intent(in) :: xi(lanes)            !! place along the axis, from the centre below
+    real(dp), intent(out) :: levers(lanes, 3)
+    logical, intent(out) :: some                 !! some are pushed
+    real(dp) :: arm
+    integer :: l
+    levers = 0.0_dp
+    some = reached(wall, motion(:, wall%axis))
+    if (.not. some) return
+    do l = 1, lanes
+      if (live(l) <= 0.0_dp) cycle
+      arm = 0.5_dp*mesh%h*xi(l)*(1.0_dp - xi(l)) - 0.125_dp*mesh%inverse_h*wall%spacing**2
+      levers(l, :) = arm*forces_on(mesh, wall, l, motion, state)
+    end do
+    some = any(abs(levers(:, wall%axis)) > 0.0_dp)
+  end subroutine one_sided_levers
+
+  !> Moves the particles of a chunk along walls and adds the energy that these give to them.
+  pure subroutine one_sided_drift(mesh, walls, live, motion, drifted, state, work)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
-    real(dp), intent(in) :: live(lanes), motion(lanes, *), volume(lanes)
+    real(dp), intent(in) :: live(lanes), motion(lanes, *)
     real(dp), intent(in) :: drifted(lanes, *)    !! way to the new places
+    real(dp), intent(inout) :: state(lanes, *)   !! volumes first
     real(dp), intent(inout) :: work(lanes)
-    integer :: w
+    real(dp) :: before, after, area
+    integer :: l, w
     do w = 1, size(walls)
-      associate (wall => walls(w), place => motion(:, walls(w)%axis), &
-                 way => mesh%inverse_h*drifted(:, walls(w)%axis))
+      associate (wall => walls(w), place => motion(:, walls(w)%axis))
         if (.not. reached(wall, place)) cycle
-        work = work + live*(energy(mesh, wall, place, volume) - &
-                            energy(mesh, wall, place + way, volume))
+        do l = 1, lanes
+          if (live(l) <= 0.0_dp) cycle
+          area = state(l, 1)/wall%spacing
+          before = depth(mesh, wall, place(l))
+          after = depth(mesh, wall, place(l) + mesh%inverse_h*drifted(l, wall%axis))
+          work(l) = work(l) + 0.5_dp*wall%stiffness*area*(before**2 - after**2)
+          if (wall%way > 0) call rub(mesh, wall, l, after, area, drifted, state, work(l))
+        end do
       end associate
     end do
   end subroutine one_sided_drift
 
-  !> The same as faces move towards their centres.
-  pure subroutine one_sided_strain(mesh, walls, live, motion, volume, dt, gradient, work)
+  !> The way of a particle along a rough wall, which it forgets where it leaves; the work of the
+  !! force in the middle of the step, that of friction where it slides.
+  pure subroutine rub(mesh, wall, l, depth_now, area, drifted, state, work)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: l                     !! lane
+    real(dp), intent(in) :: depth_now, area, drifted(lanes, *)
+    real(dp), intent(inout) :: state(lanes, *), work
+    real(dp) :: most, length, way(3), middle(3), gone(3)
+    integer :: n
+    n = mesh%ndim
+    if (depth_now <= 0.0_dp) then
+      state(l, wall%way:wall%way + n - 1) = 0.0_dp
+      return
+    end if
+    way = 0.0_dp
+    way(:n) = state(l, wall%way:wall%way + n - 1)
+    gone = 0.0_dp
+    gone(:n) = drifted(l, :n)
+    gone(wall%axis) = 0.0_dp
+    middle = 0.5_dp*way
+    way = way + gone
+    length = norm2(way)
+    most = min(wall%friction*(wall%stiffness/wall%grip*depth_now), huge(1.0_dp))
+    if (length > most) way = way*(most/length)
+    middle = middle + 0.5_dp*way
+    work = work - wall%grip*area*dot_product(middle, gone)
+    state(l, wall%way:wall%way + n - 1) = way(:n)
+  end subroutine rub
+
+  !> The rest of the work of walls: faces move towards their centres.
+  pure subroutine one_sided_strain(mesh, walls, live, motion, state, dt, gradient, work)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
-    real(dp), intent(in) :: live(lanes), motion(lanes, *), volume(lanes)
+    real(dp), intent(in) :: live(lanes), motion(lanes, *), state(lanes, *)
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: gradient(lanes, mesh%ndim, *)  !! of the velocity (axis, component)
     real(dp), intent(inout) :: work(lanes)
-    integer :: w
+    real(dp) :: push(3), strain
+    integer :: a, l, w
     do w = 1, size(walls)
-      associate (wall => walls(w), a => walls(w)%axis)
-        if (.not. reached(wall, motion(:, a))) cycle
-        work = work - live*abs(one_sided_force(mesh, wall, motion(:, a), volume))* &
-                      (0.5_dp*wall%spacing*dt)*gradient(:, a, a)
+      associate (wall => walls(w), n => walls(w)%axis)
+        if (.not. reached(wall, motion(:, n))) cycle
+        do l = 1, lanes
+          if (live(l) <= 0.0_dp) cycle
+          push = forces_on(mesh, wall, l, motion, state)
+          do a = 1, mesh%ndim
+            strain = gradient(l, n, a)
+            if (a /= n) strain = strain + gradient(l, a, n)
+            work(l) = work(l) - 0.5_dp*wall%spacing*inwards(wall)*push(a)*dt*strain
+          end do
+        end do
       end associate
     end do
   end subroutine one_sided_strain
+
+  !> Forces of a wall on a particle.
+  pure function one_sided_forces(mesh, wall, place, volume, way) result(forces)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
+    real(dp), intent(in) :: volume
+    real(dp), intent(in) :: way(:)               !! along the wall; empty: it is smooth
+    real(dp) :: forces(3)
+    forces = 0.0_dp
+    forces(wall%axis) = inwards(wall)*wall%stiffness*depth(mesh, wall, place)
+    if (.not. abs(forces(wall%axis)) > 0.0_dp) return
+    forces(:size(way)) = forces(:size(way)) - wall%grip*way
+    forces = forces*(volume/wall%spacing)
+  end function one_sided_forces
+
+  !> The same of a particle in its lane.
+  pure function forces_on(mesh, wall, l, motion, state) result(forces)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: l
+    real(dp), intent(in) :: motion(lanes, *), state(lanes, *)
+    real(dp) :: forces(3)
+    forces = one_sided_forces(mesh, wall, motion(l, wall%axis), state(l, 1), &
+                              state(l, wall%way:wall%way + merge(mesh%ndim, 0, wall%way > 0) - 1))
+  end function forces_on
 
   !> Whether particles of a chunk may have come to a wall.
   pure logical function reached(wall, places) result(yes)
@@ -99,25 +204,6 @@ contains
     real(dp), intent(in) :: places(lanes)
     yes = any(inwards(wall)*(places - wall%place) < 1.0_dp)
   end function reached
-
-  !> Force of a wall on a particle, along the wall's axis.
-  elemental function one_sided_force(mesh, wall, place, volume) result(force)
-    type(mesh_t), intent(in) :: mesh
-    type(one_sided_wall_t), intent(in) :: wall
-    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
-    real(dp), intent(in) :: volume
-    real(dp) :: force
-    force = inwards(wall)*wall%stiffness*depth(mesh, wall, place)*volume/wall%spacing
-  end function one_sided_force
-
-  !> Energy of the spring between a wall and a particle.
-  elemental function energy(mesh, wall, place, volume) result(stored)
-    type(mesh_t), intent(in) :: mesh
-    type(one_sided_wall_t), intent(in) :: wall
-    real(dp), intent(in) :: place, volume
-    real(dp) :: stored
-    stored = 0.5_dp*wall%stiffness*depth(mesh, wall, place)**2*volume/wall%spacing
-  end function energy
 
   !> How far the face of a particle has come through a wall; 0: not at all.
   elemental function depth(mesh, wall, place) result(way)

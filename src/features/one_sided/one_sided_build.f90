@@ -3,15 +3,17 @@ module sgmp_one_sided_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_wave_modulus
   use sgmp_kinds, only: dp
+  use sgmp_material_history, only: slots_ask, slots_column
   use sgmp_mesh, only: mesh_t
+  use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_scene, only: grid_card_t
   implicit none
   private
-  public :: one_sided_declare
+  public :: one_sided_add_columns, one_sided_declare, one_sided_find_columns
 
-  !> Stiffness of a wall over rho c^2/h, c that of plane waves. Softer ones are entered too far,
-  !! stiffer ones shake what they throw back (doc/loads.md).
+  !> Stiffness of a wall over rho c^2/h, c that of plane waves, along rough ones over G/h. Softer
+  !! ones are entered too far, stiffer ones shake what they throw back (doc/loads.md).
   real(dp), parameter :: stiffness = 0.4_dp
 
 contains
@@ -22,22 +24,50 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(constitutive_t), intent(in) :: law
     type(body_t), intent(inout) :: body
-    real(dp) :: place
-    integer :: axis, column, side
+    type(one_sided_wall_t) :: new
+    logical :: acts(3)
+    integer :: axis, side, a
     allocate (body%walls(0))
     if (body%rigid) return
-    column = 0
+    acts = one_sided_components(mesh)
+    new%columns = merge([(count(acts(:a)), a=1, 3)], 0, acts)
+    new%spacing = body%spacing
+    new%stiffness = stiffness*law_wave_modulus(law)*mesh%inverse_h
+    new%grip = stiffness*law%elastic%shear*mesh%inverse_h
     do axis = 1, mesh%ndim
-      if (any(mesh%one_sided(:, axis))) column = column + 1
       do side = 1, 2
         if (.not. mesh%one_sided(side, axis)) cycle
-        place = merge(grid%lower(axis), grid%upper(axis), side == 1)
-        body%walls = [body%walls, &
-                      one_sided_wall_t(side=side, axis=axis, column=column, spacing=body%spacing, &
-                                       place=(place - mesh%origin(axis))*mesh%inverse_h, &
-                                       stiffness=stiffness*law_wave_modulus(law)*mesh%inverse_h)]
+        new%side = side
+        new%axis = axis
+        new%place = (merge(grid%lower(axis), grid%upper(axis), side == 1) - mesh%origin(axis))* &
+                    mesh%inverse_h
+        new%friction = mesh%rough(side, axis)
+        body%walls = [body%walls, new]
       end do
     end do
   end subroutine one_sided_declare
+
+  !> Columns of the particles for their ways along rough walls.
+  pure subroutine one_sided_add_columns(ndim, body)
+    integer, intent(in) :: ndim
+    type(body_t), intent(inout) :: body
+    integer :: i
+    associate (rough => count(body%walls%friction > 0.0_dp))
+      call slots_ask(body%law%slots, 'grip', [(0.0_dp, i=1, ndim*rough)])
+    end associate
+  end subroutine one_sided_add_columns
+
+  !> Where they are, when all have been asked for.
+  pure subroutine one_sided_find_columns(ndim, body)
+    integer, intent(in) :: ndim
+    type(body_t), intent(inout) :: body
+    integer :: w, at
+    at = slots_column(body%law%slots, 'grip')
+    do w = 1, size(body%walls)
+      if (.not. body%walls(w)%friction > 0.0_dp) cycle
+      body%walls(w)%way = at
+      at = at + ndim
+    end do
+  end subroutine one_sided_find_columns
 
 end module sgmp_one_sided_build

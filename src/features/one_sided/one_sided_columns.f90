@@ -2,20 +2,33 @@
 module sgmp_one_sided_columns
   use sgmp_columns, only: block_t, columns_ask, columns_t, stage_stress
   use sgmp_images, only: image_radial, image_t
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
   implicit none
   private
-  public :: one_sided_ask
+  public :: one_sided_ask, one_sided_components
 
 contains
 
-  !> One for each axis that has such walls; along r it turns behind the axis.
-  pure subroutine one_sided_ask(columns, axes)
+  !> One for each component of these forces; along r it turns behind the axis.
+  pure subroutine one_sided_ask(columns, mesh)
     type(columns_t), intent(inout) :: columns
-    logical, intent(in) :: axes(:)
-    type(image_t) :: images(count(axes))
-    if (.not. any(axes)) return
-    if (axes(1)) images(1) = image_radial()
+    type(mesh_t), intent(in) :: mesh
+    type(image_t), allocatable :: images(:)
+    logical :: acts(3)
+    acts = one_sided_components(mesh)
+    if (.not. any(acts)) return
+    allocate (images(count(acts)))
+    if (acts(1)) images(1) = image_radial()
     call columns_ask(columns, block_t('push', stage_stress, images, apart=.true.))
   end subroutine one_sided_ask
+
+  !> Components of the forces of such walls: all where some are rough.
+  pure function one_sided_components(mesh) result(acts)
+    type(mesh_t), intent(in) :: mesh
+    logical :: acts(3)
+    acts = any(mesh%one_sided, dim=1) .or. any(mesh%rough > 0.0_dp)
+    acts(mesh%ndim + 1:) = .false.
+  end function one_sided_components
 
 end module sgmp_one_sided_columns

@@ -9,7 +9,8 @@ module sgmp_features
   implicit none
   private
   public :: features_t, feature_memory, features_drag, features_drag_words, features_memory, &
-            features_recall, features_remedy_stretched, features_split_gas, features_split_limit, &
+            features_friction, features_recall, features_release, features_remedy_stretched, &
+            features_split_gas, features_split_limit, &
             features_split_solids, features_split_unasked, features_walls_act
   public :: nodes_pressed, nodes_pulled, sum_split
 
@@ -42,6 +43,21 @@ contains
     integer, intent(in) :: side, axis
     yes = features%wall_friction%coefficient(side, axis) > 0.0_dp
   end function features_drag
+
+  !> Coulomb's coefficient of a wall.
+  pure real(dp) function features_friction(features, side, axis) result(coefficient)
+    type(features_t), intent(in) :: features
+    integer, intent(in) :: side, axis
+    coefficient = features%wall_friction%coefficient(side, axis)
+  end function features_friction
+
+  !> A wall no longer drags along what touches it: it is none of the grid.
+  pure subroutine features_release(features, side, axis)
+    type(features_t), intent(inout) :: features
+    integer, intent(in) :: side, axis
+    features%wall_friction%coefficient(side, axis) = 0.0_dp
+    features%wall_friction%rubs = any(features%wall_friction%coefficient > 0.0_dp)
+  end subroutine features_release
 
   !> Whether walls do more than to hold what comes: what lies behind them is kept.
   pure logical function features_walls_act(features) result(yes)
