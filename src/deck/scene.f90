@@ -33,7 +33,7 @@ module sgmp_scene
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
-  public :: scene_at_rest, scene_free, scene_space, scene_t
+  public :: scene_at_rest, scene_free, scene_space, scene_t, scene_turns
   public :: layout_lattice, layout_gauss, layout_graded, layout_file, layout_names
   public :: name_length
 
@@ -164,6 +164,12 @@ module sgmp_scene
   contains
     procedure :: turns => body_turns
   end type body_card_t
+
+  !> Whether velocities have a component around the axis.
+  pure logical function scene_turns(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    yes = scene%swirl
+  end function scene_turns
 
   !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes
   !! first.

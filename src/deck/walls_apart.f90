@@ -10,7 +10,7 @@ module sgmp_walls_apart
   use sgmp_features, only: features_friction, features_release
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
-  use sgmp_scene, only: grid_card_t, scene_space, scene_t
+  use sgmp_scene, only: grid_card_t, scene_space, scene_t, scene_turns
   use sgmp_shapes, only: combine_difference, shape_cylinder, shape_ring, shape_sphere, shape_t, &
                          shapes_box
   use sgmp_space, only: axis_names
@@ -56,7 +56,7 @@ contains
       associate (velocity => grid%wall_velocity(:, side, axis))
         rests = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
       end associate
-      if (rests .and. .not. (scene%swirl .and. friction > 0.0_dp)) then
+      if (rests .and. .not. (scene_turns(scene) .and. friction > 0.0_dp)) then
         if (gap <= touching) return
         grid%one_sided(side, axis) = .true.
         grid%rough(side, axis) = friction
