@@ -165,12 +165,6 @@ module sgmp_scene
     procedure :: turns => body_turns
   end type body_card_t
 
-  !> Whether velocities have a component around the axis.
-  pure logical function scene_turns(scene) result(yes)
-    type(scene_t), intent(in) :: scene
-    yes = scene%swirl
-  end function scene_turns
-
   !> Contact of two bodies, of one with all others, or of all; a card that names more bodies comes
   !! first.
   type :: contact_card_t
@@ -335,6 +329,12 @@ module sgmp_scene
   end type scene_t
 
 contains
+
+  !> Whether velocities have a component around the axis.
+  pure logical function scene_turns(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    yes = scene%swirl
+  end function scene_turns
 
   !> Releases the expressions' parsers; plain copies of the scene become unusable.
   subroutine scene_free(scene)
