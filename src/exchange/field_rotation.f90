@@ -39,8 +39,8 @@ contains
     call run(stage_inverses, [-1, 1], field, mesh, cutoff, no_columns, team, partition)
   end subroutine field_rotation_prepare
 
-  !> Couples that free the internal forces, and those on faces, of their moment about the nodes'
-  !! centres of mass.
+  !> Couples that free the internal forces, and those on faces and of walls that let go, of their
+  !! moment about the nodes' centres of mass.
   subroutine field_rotation_forces(field, mesh, forced, team, partition)
     type(field_t), intent(inout) :: field
     type(mesh_t), intent(in) :: mesh
@@ -49,7 +49,7 @@ contains
     type(partition_t), intent(in) :: partition
     call run(stage_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
     call run(stage_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
-    if (.not. forced .or. field%columns%faces == 0) return
+    if (field%columns%push == 0 .and. (.not. forced .or. field%columns%faces == 0)) return
     call run(stage_face_moments, [-1, 1], field, mesh, 0.0_dp, no_columns, team, partition)
     call run(stage_face_couples, [-1, 0], field, mesh, 0.0_dp, no_columns, team, partition)
   end subroutine field_rotation_forces

@@ -101,7 +101,14 @@ contains
           end if
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
-        if (field%columns%push > 0) call add_push(field, mesh, s, first, n, f)
+        if (field%columns%push > 0 .and. .not. (forced .and. field%columns%faces > 0)) then
+          call face_forces(field, mesh, s, first, n, pressed)
+#if NDIM > 1
+          if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
+                                                            field%rotation%face_couple, pressed)
+#endif
+          f(:n, :) = f(:n, :) + pressed(:n, :)
+        end if
         idx = field%neighbour(0, 0, s) + first
 #ifdef AXISYMMETRIC
         if (field%columns%swirl > 0) call nodes_swirl_push(field, s, first, n, f(1, 1))
@@ -474,14 +481,15 @@ contains
     end do
   end subroutine add_push
 
-  !> Forces on faces of particles, with their levers.
+  !> Forces on faces of particles, with their levers, and those of walls that let go.
   pure subroutine face_forces(field, mesh, s, first, n, f)
     type(field_t), intent(in) :: field
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: s, first, n
     real(dp), intent(inout) :: f(tile, NDIM)
     integer :: a
-    do a = 1, NDIM
+    if (field%columns%faces == 0) f(:n, :) = 0.0_dp
+    do a = 1, merge(NDIM, 0, field%columns%faces > 0)
       call hand_faces(field, mesh, s, first, n, field%columns%faces + a - 1, &
                       field%columns%lever + (a - 1)*NDIM, field%columns%lever > 0, f(1, a))
     end do
@@ -490,6 +498,7 @@ contains
       call surfaces_push_twists(field, mesh, s, first, centre_rows(field, s, first), n, f)
     end if
 #endif
+    if (field%columns%push > 0) call add_push(field, mesh, s, first, n, f)
   end subroutine face_forces
 
   !> A component of what acts on faces at a tile of nodes, with its levers.

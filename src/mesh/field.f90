@@ -135,7 +135,8 @@ contains
     call large_pages_ask(new%moment, size(new%moment, kind=i8))
     call large_pages_ask(new%node, size(new%node, kind=i8))
     if (new%columns%turns) then
-      call rotation_points_make(new%ndim, new%points, more, new%columns%faces > 0, &
+      call rotation_points_make(new%ndim, new%points, more, &
+                                new%columns%faces + new%columns%push > 0, &
                                 field%rotation%least_offset, new%rotation)
     end if
     if (new%columns%corrected) call pair_points_make(new%space, new%points, more, new%pairs)
