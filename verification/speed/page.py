@@ -4,6 +4,8 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from matplotlib.ticker import LogLocator  # noqa: E402
+
 from common import ROOT, plt, subplots  # noqa: E402
 from scenes import METHODS, SCENES  # noqa: E402
 
@@ -59,6 +61,10 @@ def draw(name, scene, curves):
                 marker=marker, markersize=5, linewidth=1.3, label=f"{NAMES[curve]}, C = {best:g}" if best else None,
             )
         axis.set(xscale="log", yscale="log", xlabel=label)
+        for scale in (axis.xaxis, axis.yaxis):  # 1, 2, 5, 10 …: more would run into each other
+            scale.set_minor_locator(LogLocator(subs=(2, 5)))
+            scale.set_minor_formatter("{x:g}")
+            scale.set_major_formatter("{x:g}")
         axis.grid(which="both", alpha=0.25)
     axes[0].set_ylabel(scene.label[0].upper() + scene.label[1:])
     axes[0].set_title(scene.title, loc="left", fontweight="bold")
