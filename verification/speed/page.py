@@ -63,7 +63,8 @@ def draw(name, scene, curves):
         axis.set(xscale="log", yscale="log", xlabel=label)
         for scale in (axis.xaxis, axis.yaxis):  # 1, 2, 5, 10 …: more would run into each other
             scale.set_minor_locator(LogLocator(subs=(2, 5)))
-            scale.set_minor_formatter("{x:g}")
+            low, high = scale.get_view_interval()
+            scale.set_minor_formatter("{x:g}" if high < 500*low or scale is axis.yaxis else "")
             scale.set_major_formatter("{x:g}")
         axis.grid(which="both", alpha=0.25)
     axes[0].set_ylabel(scene.label[0].upper() + scene.label[1:])
