@@ -48,11 +48,11 @@ module sgmp_judge_collisions
   real(dp), parameter :: held_error = 0.3_dp      !! 0.45: 0.26, 0.29, 0.19; gimp 0.33, 0.20, 0.08
   real(dp), parameter :: wall_weight = 0.8_dp     !! sgmp, bars of 10 to 40 cells: 0.65 to 0.8
   ! At walls that let go, of the velocity before: squares that widen 0.02 to 0.17 of 24 to 6 cells,
-  ! disks of 8 to 16 and Poisson's ratio 0.45 0.09, others 0.04; what yields 0.15 of 6 cells, 0.08
+  ! disks of 8 to 16 and Poisson's ratio 0.45 0.09, others 0.05; what yields 0.15 of 6 cells, 0.08
   ! of 8 to 24, 0.05 of 36.
   real(dp), parameter :: wide_weight = 1.6_dp, wide_cells = 24.0_dp, round_poisson = 0.4_dp
   real(dp), parameter :: soft_weight = 1.0_dp, soft_cells = 40.0_dp
-  real(dp), parameter :: narrow_weight = 1.2_dp, narrow_cells = 8.0_dp
+  real(dp), parameter :: narrow_weight = 0.9_dp, narrow_cells = 9.0_dp
   real(dp), parameter :: spun_weight = 2.2_dp, spun_cells = 44.0_dp
     !! the lattice's facets turn less: disks of 16 and 32 cells lack 0.12 and 0.06 of their spin
   real(dp), parameter :: slowed = 0.5_dp          !! of its velocity it has lost at least so much
