@@ -82,6 +82,20 @@ body a {shape} material=m ppc=2
 velocity a {v}
 history steps=5
 """
+PRESSED = """
+parameter cell = 0.1
+dimension 2
+grid cell=cell y=0:open
+wall y-=slip
+method sgmp
+time end=300 cfl=0.4
+damping rate=0.05
+material m elastic density=1 young=1 poisson=0
+body m block material=m lower=(0,0.05) upper=(1,2.05) ppc=2
+motion m where="y>1.85" x=0 y="-0.25/200*(t<200)"
+history steps=50
+output csv at=end fields=stress
+"""
 DISK = """
 parameter place = 0
 dimension 2
@@ -137,6 +151,16 @@ def bars():
                     books = [row["total_energy"] - row["external_work"] for row in result.table("history.csv")]
                     drift = max(abs(energy/books[0] - 1) for energy in books)
                     report.check(drift < 0.03, f"{name}: energy drifts by {drift}")
+
+
+def pressed():
+    """A strip that its moved end presses on a wall: the wall gives by half a cell of the strip."""
+    for cell in (0.1, 0.05):
+        result = run(f"pressed_{cell}", PRESSED, cell=cell)
+        if report.finished(result, f"pressed_{cell}"):
+            rows = [row["stress_yy"] for row in result.table("particles_end.csv") if 0.3 < row["y"] < 1.2]
+            stress, exact, gives = -sum(rows)/len(rows), -math.log(1 - 0.2/1.8), 0.5*cell/1.8
+            report.check(abs(stress/exact - 1 + gives) < 0.02, f"pressed, {cell}: stress {stress}, exact {exact}")
 
 
 def between():
@@ -267,6 +291,7 @@ def told():
 
 
 bars()
+pressed()
 between()
 rests()
 told()

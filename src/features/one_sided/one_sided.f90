@@ -2,10 +2,10 @@
 !!
 !! The face of a particle with the volume V and the spacing s lies s/2 from its centre. Where it is
 !! beyond the wall by the depth d it is pushed back by
-!!     f = K d V/s,   K = 0.4 rho c^2/h,                                                     (OS1)
+!!     f = K d V/s,   K = 0.4 rho c^2/h (2 rho c^2/h where something is pressed),            (OS1)
 !! the force of a spring with the energy K d^2 V/(2 s), which comes back. Nothing holds it when it
 !! leaves. A rough wall holds it along itself, by the way u that it has gone since it touched:
-!!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h,                                       (OS2)
+!!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h (2 G/h),                          (OS2)
 !! Coulomb's law with an elastic way before it slides; beyond the limit u is cut back to it.
 !!
 !! The forces act at the face. Particles bring them to the grid where they are, with f s/2 beside

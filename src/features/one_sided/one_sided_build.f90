@@ -7,7 +7,7 @@ module sgmp_one_sided_build
   use sgmp_mesh, only: mesh_t
   use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_one_sided_wall, only: one_sided_wall_t
-  use sgmp_scene, only: grid_card_t
+  use sgmp_scene, only: scene_t
   implicit none
   private
   public :: one_sided_add_columns, one_sided_declare, one_sided_find_columns
@@ -15,16 +15,20 @@ module sgmp_one_sided_build
   !> Stiffness of a wall over rho c^2/h, c that of plane waves, along rough ones over G/h. Softer
   !! ones are entered too far, stiffer ones shake what they throw back (doc/loads.md).
   real(dp), parameter :: stiffness = 0.4_dp
+  !> The same where the deck moves something, which may press a body on a wall: there the springs
+  !! must not give, and are as half a cell of the material.
+  real(dp), parameter :: firm = 2.0_dp
 
 contains
 
   !> The walls that a body may meet.
-  pure subroutine one_sided_declare(grid, mesh, law, body)
-    type(grid_card_t), intent(in) :: grid
+  pure subroutine one_sided_declare(scene, mesh, law, body)
+    type(scene_t), intent(in) :: scene
     type(mesh_t), intent(in) :: mesh
     type(constitutive_t), intent(in) :: law
     type(body_t), intent(inout) :: body
     type(one_sided_wall_t) :: new
+    real(dp) :: factor
     logical :: acts(3)
     integer :: axis, side, a
     allocate (body%walls(0))
@@ -32,15 +36,16 @@ contains
     acts = one_sided_components(mesh)
     new%columns = merge([(count(acts(:a)), a=1, 3)], 0, acts)
     new%spacing = body%spacing
-    new%stiffness = stiffness*law_wave_modulus(law)*mesh%inverse_h
-    new%grip = stiffness*law%elastic%shear*mesh%inverse_h
+    factor = merge(firm, stiffness, size(scene%motions) > 0 .or. any(scene%bodies%rigid))
+    new%stiffness = factor*law_wave_modulus(law)*mesh%inverse_h
+    new%grip = factor*law%elastic%shear*mesh%inverse_h
     do axis = 1, mesh%ndim
       do side = 1, 2
         if (.not. mesh%one_sided(side, axis)) cycle
         new%side = side
         new%axis = axis
-        new%place = (merge(grid%lower(axis), grid%upper(axis), side == 1) - mesh%origin(axis))* &
-                    mesh%inverse_h
+        new%place = merge(scene%grid%lower(axis), scene%grid%upper(axis), side == 1)
+        new%place = (new%place - mesh%origin(axis))*mesh%inverse_h
         new%friction = mesh%rough(side, axis)
         body%walls = [body%walls, new]
       end do
