@@ -33,7 +33,8 @@ module sgmp_scene
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
-  public :: scene_at_rest, scene_free, scene_space, scene_t, scene_turns
+  public :: scene_at_rest, scene_free, scene_presses, scene_space, scene_t, &
+            scene_turns
   public :: layout_lattice, layout_gauss, layout_graded, layout_file, layout_names
   public :: name_length
 
@@ -53,9 +54,9 @@ module sgmp_scene
     real(dp) :: lower(3) = 0.0_dp, upper(3) = 0.0_dp  !! box corners (length); unused where open
     real(dp) :: asked(2, 3) = 0.0_dp                !! the same as the deck has them
     logical :: moved(3) = .false.                   !! axes whose ends have moved to the grid
-    logical :: shifts = .true.                      !! walls that nothing touches are put outwards
-    logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): this one is
-    logical :: one_sided(2, 3) = .false.            !! and this one lets go: an open face
+    logical :: shifts = .true.                      !! walls that nothing touches let go, or move
+    logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): put a cell outwards
+    logical :: one_sided(2, 3) = .false.            !! this one lets go: an open face
     real(dp) :: rough(2, 3) = 0.0_dp                !! its friction; huge: nothing slides
     type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given
@@ -329,6 +330,12 @@ module sgmp_scene
   end type scene_t
 
 contains
+
+  !> Whether the deck moves something, which may press a body on a wall.
+  pure logical function scene_presses(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    yes = size(scene%motions) > 0 .or. any(scene%bodies%rigid)
+  end function scene_presses
 
   !> Whether velocities have a component around the axis.
   pure logical function scene_turns(scene) result(yes)

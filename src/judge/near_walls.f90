@@ -56,11 +56,13 @@ contains
     end associate
   end subroutine near_walls
 
-  !> Whether a body flies at a wall that it does not touch at the start.
-  function near_walls_flown_at(scene, model, b) result(yes)
+  !> Whether a body flies at a wall that it does not touch at the start, one that lets go or one
+  !! that holds.
+  function near_walls_flown_at(scene, model, b, lets_go) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
+    logical, intent(in) :: lets_go
     logical :: yes
     integer :: axis, side
     yes = .false.
@@ -69,8 +71,8 @@ contains
     do axis = 1, model%mesh%ndim
       do side = 1, 2
         if (.not. approaches(scene, b, axis, side)) cycle
-        if (model%mesh%one_sided(side, axis)) then
-          yes = .true.
+        if (lets_go) then
+          yes = yes .or. model%mesh%one_sided(side, axis)
         else if (holds(model%mesh, axis, side)) then
           yes = yes .or. gap_of(scene, model%mesh, b, axis, side) > touching
         end if

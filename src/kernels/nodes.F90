@@ -92,21 +92,13 @@ contains
           call external_forces(field, s, first, n, m, method%gravity, forced, external)
           booked(:n, :) = external(:n, :)
           if (forced .and. field%columns%faces > 0) then
-            call face_forces(field, mesh, s, first, n, pressed)
-#if NDIM > 1
-            if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
-                                                              field%rotation%face_couple, pressed)
-#endif
+            call press(field, mesh, s, first, n, pressed)
             external(:n, :) = external(:n, :) + pressed(:n, :)
           end if
           f(:n, :) = f(:n, :) + external(:n, :)
         end if
         if (field%columns%push > 0 .and. .not. (forced .and. field%columns%faces > 0)) then
-          call face_forces(field, mesh, s, first, n, pressed)
-#if NDIM > 1
-          if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
-                                                            field%rotation%face_couple, pressed)
-#endif
+          call press(field, mesh, s, first, n, pressed)
           f(:n, :) = f(:n, :) + pressed(:n, :)
         end if
         idx = field%neighbour(0, 0, s) + first
@@ -461,6 +453,19 @@ contains
       f(:n, a) = f(:n, a) + t(:n)
     end do
   end subroutine external_forces
+
+  !> What acts on faces, with the couples of exact rotation.
+  pure subroutine press(field, mesh, s, first, n, pressed)
+    type(field_t), intent(in) :: field
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: s, first, n
+    real(dp), intent(inout) :: pressed(tile, NDIM)
+    call face_forces(field, mesh, s, first, n, pressed)
+#if NDIM > 1
+    if (field%columns%turns) call rotation_force(field, mesh, s, first, n, &
+                                                      field%rotation%face_couple, pressed)
+#endif
+  end subroutine press
 
   !> Adds the forces of walls that let go.
   pure subroutine add_push(field, mesh, s, first, n, f)

@@ -38,7 +38,7 @@ module sgmp_build_model
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
-  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare, one_sided_find_columns
+  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill, particles_t
@@ -302,10 +302,9 @@ contains
       call law_slots(body%law, tensor_axes(scene))
       call add_columns(scene, number, mesh%ndim, body)
       call stage_columns(scene%features, mesh%ndim, body)
+      call one_sided_add_columns(mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
-      call one_sided_add_columns(mesh%ndim, body)
-      call one_sided_find_columns(mesh%ndim, body)
       call find_places(mesh, x)
       call seeding_check_inside(card, mesh, x, error)
       if (.not. allocated(error)) call seeding_check_size(card, mesh, x, volume, error)

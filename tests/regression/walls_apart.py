@@ -248,6 +248,17 @@ def rubs():
             report.check(result["walls_let_go"] == 1, f"{name}: {result['walls_let_go']} walls let go")
 
 
+def loaded():
+    """A block under a pressure that comes to rest on a rough wall bears that pressure: columns of loads and of the ways
+    along walls do not get into each other's way."""
+    deck = RESTS.replace("gravity (along,-0.001)", "pressure m face=y+ p=0.001").replace("parameter along = 0\n", "")
+    result = run("loaded", deck.replace("wall y-=slip", "wall y-=slip\nwallfriction y- friction=0.3"))
+    if report.finished(result, "loaded"):
+        rows = [row["stress_yy"] for row in result.table("particles_end.csv")]
+        borne = -sum(rows)/len(rows)
+        report.check(abs(borne/1e-3 - 1) < 0.02, f"loaded: stress {borne}, pressure 0.001")
+
+
 def left_alone():
     """Walls that something touches, liquids, what is fast, other words: as with shift=none. A wall that moves is put
     outwards in the place of letting go."""
@@ -296,6 +307,7 @@ between()
 rests()
 told()
 rubs()
+loaded()
 reactions()
 left_alone()
 report.end()

@@ -7,10 +7,10 @@ module sgmp_one_sided_build
   use sgmp_mesh, only: mesh_t
   use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_one_sided_wall, only: one_sided_wall_t
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: scene_presses, scene_t
   implicit none
   private
-  public :: one_sided_add_columns, one_sided_declare, one_sided_find_columns
+  public :: one_sided_add_columns, one_sided_declare
 
   !> Stiffness of a wall over rho c^2/h, c that of plane waves, along rough ones over G/h. Softer
   !! ones are entered too far, stiffer ones shake what they throw back (doc/loads.md).
@@ -36,7 +36,7 @@ contains
     acts = one_sided_components(mesh)
     new%columns = merge([(count(acts(:a)), a=1, 3)], 0, acts)
     new%spacing = body%spacing
-    factor = merge(firm, stiffness, size(scene%motions) > 0 .or. any(scene%bodies%rigid))
+    factor = merge(firm, stiffness, scene_presses(scene))
     new%stiffness = factor*law_wave_modulus(law)*mesh%inverse_h
     new%grip = factor*law%elastic%shear*mesh%inverse_h
     do axis = 1, mesh%ndim
@@ -52,27 +52,21 @@ contains
     end do
   end subroutine one_sided_declare
 
-  !> Columns of the particles for their ways along rough walls.
+  !> Columns of the particles for their ways along rough walls: behind all that laws and methods ask
+  !! for, before those of loads and driven parts, which know their places already when they ask.
   pure subroutine one_sided_add_columns(ndim, body)
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
-    integer :: i
+    integer :: i, w, at
     associate (rough => count(body%walls%friction > 0.0_dp))
       call slots_ask(body%law%slots, 'grip', [(0.0_dp, i=1, ndim*rough)])
     end associate
-  end subroutine one_sided_add_columns
-
-  !> Where they are, when all have been asked for.
-  pure subroutine one_sided_find_columns(ndim, body)
-    integer, intent(in) :: ndim
-    type(body_t), intent(inout) :: body
-    integer :: w, at
     at = slots_column(body%law%slots, 'grip')
     do w = 1, size(body%walls)
       if (.not. body%walls(w)%friction > 0.0_dp) cycle
       body%walls(w)%way = at
       at = at + ndim
     end do
-  end subroutine one_sided_find_columns
+  end subroutine one_sided_add_columns
 
 end module sgmp_one_sided_build
