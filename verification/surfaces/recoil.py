@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Bodies that fly at a rigid frictionless wall: the part of their velocity with which they come back, by finite elements
-(elements.py) and by the program; and what a wall that lets go costs (doc/loads.md, Bodies near walls).
+"""Bodies that fly at a rigid frictionless wall: the part of their velocity with which they come back, by finite
+elements (elements.py) and by the program; and what a wall that lets go costs (doc/loads.md, Bodies near walls).
 
     build/venv/bin/python verification/surfaces/recoil.py [SGMP]       # a minute
 """
@@ -73,7 +73,8 @@ def elements(shape, poisson, strength, speed, n=16):
 
 def main():
     sgmp = str(Path(sys.argv[1] if len(sys.argv) > 1 else "build/release/sgmp").resolve())
-    print("| body | velocity over c | finite elements | 10 | 20 | 40 cells | plane of symmetry (20) | rigid plate (20) |")
+    print("| body | velocity over c | finite elements | 10 | 20 | 40 cells | "
+          "plane of symmetry (20) | rigid plate (20) |")
     for name, shape, poisson, strength, speed in BODIES:
         found = [elements(shape, poisson, strength, speed)]
         for wall, cells in (("lets go", 10), ("lets go", 20), ("lets go", 40), ("plane of symmetry", 20),
