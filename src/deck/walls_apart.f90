@@ -1,16 +1,18 @@
-!> Walls of the grid that nothing touches at the start (doc/loads.md, Bodies near walls).
+!> Walls of the grid that are no planes of symmetry (doc/loads.md, Bodies near walls).
 !!
 !! A wall is a plane of symmetry: what flies at one shares nodes with its image from a cell away,
 !! comes to rest there, a cell early if it is slow, and is held where it would leave. So a wall that
-!! nothing touches lets go (sgmp_one_sided). One that moves is put a cell farther out: what is slow
-!! then rests where the deck has the wall.
+!! nothing touches lets go (sgmp_one_sided), and so does a floor: one with friction, or to which
+!! gravity pulls, is no plane of symmetry whatever rests on it. A wall that moves is put a cell
+!! farther out: what is slow then rests where the deck has the wall.
 module sgmp_walls_apart
-  use sgmp_constitutive, only: law_is_spherical, law_wave_modulus
+  use sgmp_constitutive, only: law_bends, law_is_spherical, law_wave_modulus
   use sgmp_fast_scenes, only: largest_speed_of
   use sgmp_features, only: features_friction, features_release
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
-  use sgmp_scene, only: grid_card_t, scene_space, scene_t, scene_turns
+  use sgmp_scene, only: body_card_t, grid_card_t, scene_presses, scene_space, scene_t, &
+                        scene_turns
   use sgmp_shapes, only: combine_difference, shape_cylinder, shape_ring, shape_sphere, shape_t, &
                          shapes_box
   use sgmp_space, only: axis_names
@@ -48,7 +50,7 @@ contains
     integer, intent(in) :: axis, side
     real(dp), intent(in) :: gap                  !! to the nearest body (cells)
     real(dp) :: friction
-    logical :: rests
+    logical :: rests, touched
     friction = features_friction(scene%features, side, axis)
     associate (grid => scene%grid)
       if (.not. any(grid%wall(side, axis) == [wall_slip, wall_fixed])) return
@@ -57,8 +59,10 @@ contains
         rests = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
       end associate
       if (rests .and. .not. (scene_turns(scene) .and. friction > 0.0_dp)) then
-        if (gap <= touching) return
+        touched = gap <= touching
+        if (touched .and. .not. is_floor(scene, axis, side)) return
         grid%one_sided(side, axis) = .true.
+        grid%firm(side, axis) = touched .or. scene_presses(scene)
         grid%rough(side, axis) = friction
         grid%wall(side, axis) = wall_free
         grid%open(side, axis) = .true.
@@ -68,6 +72,25 @@ contains
       end if
     end associate
   end subroutine settle_wall
+
+  !> Whether what touches a wall stands on it or rubs on it: solids that bear tension, so that a
+  !! plane of symmetry would hold them where they leave.
+  pure function is_floor(scene, axis, side) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis, side
+    logical :: yes
+    integer :: b
+    yes = scene%grid%wall(side, axis) == wall_slip .and. &
+          (features_friction(scene%features, side, axis) > 0.0_dp .or. &
+           scene%gravity(axis)*merge(-1.0_dp, 1.0_dp, side == 1) > 0.0_dp)
+    do b = 1, size(scene%bodies)
+      associate (body => scene%bodies(b))
+        if (body%rigid .or. .not. yes) cycle
+        if (gap_of(scene, body, axis, side) > touching) cycle
+        yes = law_bends(scene%materials(body%material)%law)
+      end associate
+    end do
+  end function is_floor
 
   !> Puts a wall a cell farther out.
   pure subroutine put_out(grid, axis, side)
@@ -106,25 +129,36 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: axis, side
     real(dp) :: gap
-    real(dp) :: lower(3), upper(3), own
+    real(dp) :: own
     integer :: b
     gap = huge(1.0_dp)
     do b = 1, size(scene%bodies)
-      associate (body => scene%bodies(b), grid => scene%grid)
-        if (size(body%shapes) == 0) then
-          gap = 0.0_dp                 ! where a file puts particles is not known here
-          return
-        end if
-        call shapes_box(body%shapes, lower, upper)
-        if (scene%dimension > 1) call turn_box(body%turn, lower, upper)
-        own = merge(lower(axis) - grid%lower(axis), grid%upper(axis) - upper(axis), side == 1)/ &
-              grid%cell
-        if (abs(own) <= touching .and. &
+      associate (body => scene%bodies(b))
+        own = gap_of(scene, body, axis, side)
+        if (abs(own) <= touching .and. size(body%shapes) > 0 .and. &
             all(round_towards(body%shapes, axis, scene%axisymmetric))) cycle
         gap = min(gap, own)
       end associate
     end do
   end function least_gap
+
+  !> Cells between a wall and a body; 0 where its particles come from a file, whose places are not
+  !! known here.
+  pure function gap_of(scene, body, axis, side) result(gap)
+    type(scene_t), intent(in) :: scene
+    type(body_card_t), intent(in) :: body
+    integer, intent(in) :: axis, side
+    real(dp) :: gap
+    real(dp) :: lower(3), upper(3)
+    gap = 0.0_dp
+    if (size(body%shapes) == 0) return
+    call shapes_box(body%shapes, lower, upper)
+    if (scene%dimension > 1) call turn_box(body%turn, lower, upper)
+    associate (grid => scene%grid)
+      gap = merge(lower(axis) - grid%lower(axis), grid%upper(axis) - upper(axis), side == 1)/ &
+            grid%cell
+    end associate
+  end function gap_of
 
   !> Whether a shape is round where a wall across an axis touches it; cylinders about the axis of
   !! the scene are not.
@@ -151,7 +185,12 @@ contains
         wall = 'wall '//axis_names(axis, scene_space(scene))//merge('-', '+', side == 1)
         if (scene%grid%one_sided(side, axis)) then
           n = n + 1
-          lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
+          if (least_gap(scene, axis, side) > touching) then
+            lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
+          else
+            lines(n)%text = wall//' is a floor and lets go: it has friction, or gravity pulls to '// &
+                            'it (doc/loads.md)'
+          end if
         else if (scene%grid%shifted(side, axis)) then
           n = n + 1
           lines(n)%text = wall//' is a cell outside of '// &

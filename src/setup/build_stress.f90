@@ -9,6 +9,7 @@ module sgmp_build_stress
   use sgmp_material_weight, only: fluid_below, stress_energy
   use sgmp_mesh, only: mesh_places, mesh_t
   use sgmp_motion, only: motion_mass
+  use sgmp_one_sided_build, only: one_sided_bear
   use sgmp_parallel, only: parallel_agree
   use sgmp_scene, only: body_card_t
   use sgmp_voigt, only: voigt_axes
@@ -38,8 +39,8 @@ contains
     do c = 1, body%particles%chunks
       do l = 1, lanes
         if (body%particles%id(l, c) > 0) then
-          call fill(card, gravity, place(mesh, body%particles%motion(l, :mesh%ndim, c)), l, c, &
-                    body, buried, possible)
+          call fill(card, gravity, place(mesh, body%particles%motion(l, :mesh%ndim, c)), mesh, &
+                    l, c, body, buried, possible)
         end if
       end do
     end do
@@ -56,9 +57,10 @@ contains
   end subroutine stress_fill
 
   !> Gives a particle its stress; says where that cannot be.
-  subroutine fill(card, gravity, x, l, c, body, buried, possible)
+  subroutine fill(card, gravity, x, mesh, l, c, body, buried, possible)
     type(body_card_t), intent(in) :: card
     real(dp), intent(in) :: gravity(3), x(3)
+    type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: l, c                  !! lane, chunk
     type(body_t), intent(inout) :: body
     logical, intent(inout) :: buried, possible
@@ -80,7 +82,27 @@ contains
         body%particles%state(l, slots%energy, c) = stress_energy(body%law, stress(:n))
       end if
     end associate
+    call load_walls(card, gravity, x, mesh, l, c, body)
   end subroutine fill
+
+  !> Lets walls that let go bear the stress where a particle's face lies at them.
+  subroutine load_walls(card, gravity, x, mesh, l, c, body)
+    type(body_card_t), intent(in) :: card
+    real(dp), intent(in) :: gravity(3), x(3)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: l, c                  !! lane, chunk
+    type(body_t), intent(inout) :: body
+    real(dp) :: face(3)
+    integer :: w
+    do w = 1, size(body%walls)
+      associate (wall => body%walls(w))
+        face = x
+        face(wall%axis) = x(wall%axis) + 0.5_dp*wall%spacing*merge(-1.0_dp, 1.0_dp, wall%side == 1)
+        call one_sided_bear(mesh, wall, stress_at(card, gravity, face, body), &
+                            body%particles%motion(l, wall%axis, c), body%particles%state(l, :, c))
+      end associate
+    end do
+  end subroutine load_walls
 
   !> Where a particle is.
   pure function place(mesh, coordinates) result(x)

@@ -8,6 +8,10 @@
 !!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h (2 G/h),                          (OS2)
 !! Coulomb's law with an elastic way before it slides; beyond the limit u is cut back to it.
 !!
+!! Springs bear what a body bears at the start, where it begins with a stress on a wall: by a depth
+!! more, and a way along it, that make (OS1) and (OS2) the traction there. A particle keeps both
+!! until it leaves, that depth as the component of its way across the wall.
+!!
 !! The forces act at the face. Particles bring them to the grid where they are, with f s/2 beside
 !! the product of their stress and volume, and where stresses act at centres with
 !!     f/h (h^2 xi (1 - xi)/2 - s^2/8)                                                       (OS3)
@@ -21,7 +25,7 @@ module sgmp_one_sided
   use sgmp_one_sided_wall, only: one_sided_wall_t
   implicit none
   private
-  public :: one_sided_drift, one_sided_flux, one_sided_forces, one_sided_levers, one_sided_push, &
+  public :: one_sided_drift, one_sided_first_way, one_sided_flux, one_sided_forces, one_sided_levers, one_sided_push, &
             one_sided_strain
 
   !> Place of the stress between two axes among those that exert a force, where there are so many
@@ -99,7 +103,7 @@ contains
     real(dp), intent(in) :: drifted(lanes, *)    !! way to the new places
     real(dp), intent(inout) :: state(lanes, *)   !! volumes first
     real(dp), intent(inout) :: work(lanes)
-    real(dp) :: before, after, area
+    real(dp) :: before, after, area, more
     integer :: l, w
     do w = 1, size(walls)
       associate (wall => walls(w), place => motion(:, walls(w)%axis))
@@ -107,8 +111,10 @@ contains
         do l = 1, lanes
           if (live(l) <= 0.0_dp) cycle
           area = state(l, 1)/wall%spacing
-          before = depth(mesh, wall, place(l))
-          after = depth(mesh, wall, place(l) + mesh%inverse_h*drifted(l, wall%axis))
+          more = 0.0_dp
+          if (wall%way > 0) more = state(l, wall%way + wall%axis - 1)
+          before = depth(mesh, wall, place(l), more)
+          after = depth(mesh, wall, place(l) + mesh%inverse_h*drifted(l, wall%axis), more)
           work(l) = work(l) + 0.5_dp*wall%stiffness*area*(before**2 - after**2)
           if (wall%way > 0) call rub(mesh, wall, l, after, area, drifted, state, work(l))
         end do
@@ -116,8 +122,8 @@ contains
     end do
   end subroutine one_sided_drift
 
-  !> The way of a particle along a rough wall, which it forgets where it leaves; the work of the
-  !! force in the middle of the step, that of friction where it slides.
+  !> The way of a particle along a wall, which it forgets where it leaves; the work of the force in
+  !! the middle of the step, that of friction where it slides.
   pure subroutine rub(mesh, wall, l, depth_now, area, drifted, state, work)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
@@ -131,8 +137,10 @@ contains
       state(l, wall%way:wall%way + n - 1) = 0.0_dp
       return
     end if
+    if (.not. wall%friction > 0.0_dp) return
     way = 0.0_dp
     way(:n) = state(l, wall%way:wall%way + n - 1)
+    way(wall%axis) = 0.0_dp
     gone = 0.0_dp
     gone(:n) = drifted(l, :n)
     gone(wall%axis) = 0.0_dp
@@ -143,6 +151,7 @@ contains
     if (length > most) way = way*(most/length)
     middle = middle + 0.5_dp*way
     work = work - wall%grip*area*dot_product(middle, gone)
+    way(wall%axis) = state(l, wall%way + wall%axis - 1)
     state(l, wall%way:wall%way + n - 1) = way(:n)
   end subroutine rub
 
@@ -178,14 +187,44 @@ contains
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: place                !! of the particle along the axis (cells)
     real(dp), intent(in) :: volume
-    real(dp), intent(in) :: way(:)               !! along the wall; empty: it is smooth
+    real(dp), intent(in) :: way(:)               !! along the wall, and its depth at the start;
+                                                 !! empty: there are none
     real(dp) :: forces(3)
+    real(dp) :: deep
     forces = 0.0_dp
-    forces(wall%axis) = inwards(wall)*wall%stiffness*depth(mesh, wall, place)
-    if (.not. abs(forces(wall%axis)) > 0.0_dp) return
-    forces(:size(way)) = forces(:size(way)) - wall%grip*way
+    if (size(way) == 0) then
+      deep = depth(mesh, wall, place, 0.0_dp)
+    else
+      deep = depth(mesh, wall, place, way(wall%axis))
+    end if
+    if (.not. deep > 0.0_dp) return
+    forces(:size(way)) = -wall%grip*way
+    forces(wall%axis) = inwards(wall)*wall%stiffness*deep
     forces = forces*(volume/wall%spacing)
   end function one_sided_forces
+
+  !> The way with which a particle begins whose face lies at a wall and bears a stress there: none
+  !! where it lies farther away or is pulled.
+  pure function one_sided_first_way(mesh, wall, place, stress) result(way)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
+    real(dp), intent(in) :: stress(3)            !! components of the stress with the wall's axis
+    real(dp) :: way(3)
+    real(dp), parameter :: near = 0.1_dp         !! spacings between such a face and the wall
+    real(dp) :: length, most
+    integer :: n
+    n = wall%axis
+    way = 0.0_dp
+    if (stress(n) >= 0.0_dp .or. &
+        depth(mesh, wall, place, near*wall%spacing) <= 0.0_dp) return
+    if (wall%friction > 0.0_dp) way = inwards(wall)*stress/wall%grip
+    way(n) = 0.0_dp
+    length = norm2(way)
+    most = min(wall%friction*abs(stress(n))/wall%grip, huge(1.0_dp))
+    if (length > most) way = way*(most/length)
+    way(n) = abs(stress(n))/wall%stiffness
+  end function one_sided_first_way
 
   !> The same of a particle in its lane.
   pure function forces_on(mesh, wall, l, motion, state) result(forces)
@@ -206,12 +245,13 @@ contains
   end function reached
 
   !> How far the face of a particle has come through a wall; 0: not at all.
-  elemental function depth(mesh, wall, place) result(way)
+  elemental function depth(mesh, wall, place, more) result(way)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: place
+    real(dp), intent(in) :: more                 !! by its stress at the start
     real(dp) :: way
-    way = max(0.5_dp*wall%spacing - mesh%h*inwards(wall)*(place - wall%place), 0.0_dp)
+    way = max(0.5_dp*wall%spacing + more - mesh%h*inwards(wall)*(place - wall%place), 0.0_dp)
   end function depth
 
   !> The way from a wall into the grid along its axis.
