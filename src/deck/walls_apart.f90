@@ -11,8 +11,7 @@ module sgmp_walls_apart
   use sgmp_features, only: features_friction, features_release
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
-  use sgmp_scene, only: body_card_t, grid_card_t, scene_presses, scene_space, scene_t, &
-                        scene_turns
+  use sgmp_scene, only: body_card_t, grid_card_t, scene_space, scene_t, scene_turns
   use sgmp_shapes, only: combine_difference, shape_cylinder, shape_ring, shape_sphere, shape_t, &
                          shapes_box
   use sgmp_space, only: axis_names
@@ -62,7 +61,7 @@ contains
         touched = gap <= touching
         if (touched .and. .not. is_floor(scene, axis, side)) return
         grid%one_sided(side, axis) = .true.
-        grid%firm(side, axis) = touched .or. scene_presses(scene)
+        grid%floor(side, axis) = touched
         grid%rough(side, axis) = friction
         grid%wall(side, axis) = wall_free
         grid%open(side, axis) = .true.
@@ -185,11 +184,11 @@ contains
         wall = 'wall '//axis_names(axis, scene_space(scene))//merge('-', '+', side == 1)
         if (scene%grid%one_sided(side, axis)) then
           n = n + 1
-          if (least_gap(scene, axis, side) > touching) then
-            lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
-          else
+          if (scene%grid%floor(side, axis)) then
             lines(n)%text = wall//' is a floor and lets go: it has friction, or gravity pulls to '// &
                             'it (doc/loads.md)'
+          else
+            lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
           end if
         else if (scene%grid%shifted(side, axis)) then
           n = n + 1

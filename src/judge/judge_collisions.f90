@@ -24,7 +24,7 @@ module sgmp_judge_collisions
   use sgmp_model, only: model_t
   use sgmp_near_walls, only: near_walls, near_walls_flown_at
   use sgmp_opinion, only: opinion_t
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: scene_presses, scene_t
   use sgmp_shapes, only: shape_block, shape_ring, shapes_box
   use sgmp_text, only: integer_text, real_text, real_text_about
   use sgmp_thickness, only: body_thickness
@@ -507,7 +507,7 @@ contains
         cells < spun_cells .and. kept < 1.0_dp - least_slowing) then
       call opinion%expect(spun_weight/cells, bounced(model, b, cells)//', and so does its spin')
     end if
-    wide = any(scene%grid%firm) .or. model%mesh%ndim > 1 .and. &
+    wide = scene_presses(scene) .or. any(scene%grid%floor) .or. model%mesh%ndim > 1 .and. &
            poisson_of(model, b) > merge(wide_poisson, round_poisson, bounces(scene, model, b))
     if (yields(model, b)) then
       if (kept < slowed) call tell(soft_weight, soft_cells)

@@ -8,7 +8,7 @@ module sgmp_one_sided_build
   use sgmp_one_sided, only: one_sided_first_way
   use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_one_sided_wall, only: one_sided_wall_t
-  use sgmp_scene, only: body_card_t, scene_t
+  use sgmp_scene, only: body_card_t, grid_card_t, scene_presses, scene_t
   use sgmp_voigt, only: voigt_axes
   implicit none
   private
@@ -17,8 +17,8 @@ module sgmp_one_sided_build
   !> Stiffness of a wall over rho c^2/h, c that of plane waves, along rough ones over G/h. Softer
   !! ones are entered too far, stiffer ones shake what they throw back (doc/loads.md).
   real(dp), parameter :: stiffness = 0.4_dp
-  !> The same where the deck moves something, which may press a body on a wall, and where a body
-  !! stands on one at the start: there the springs must not give.
+  !> The same where the deck moves something, which may press a body on a wall: there the springs
+  !! must not give.
   real(dp), parameter :: firm = 2.0_dp
 
 contains
@@ -44,7 +44,8 @@ contains
         if (.not. mesh%one_sided(side, axis)) cycle
         new%side = side
         new%axis = axis
-        factor = merge(firm, stiffness, scene%grid%firm(side, axis))
+        factor = factor_of(scene%grid, side, axis, mesh%h/body%spacing, &
+                           scene_presses(scene))
         new%stiffness = factor*law_wave_modulus(law)*mesh%inverse_h
         new%grip = factor*law%elastic%shear*mesh%inverse_h
         new%place = merge(scene%grid%lower(axis), scene%grid%upper(axis), side == 1)
@@ -55,6 +56,21 @@ contains
       end do
     end do
   end subroutine one_sided_declare
+
+  !> Stiffness of a wall over rho c^2/h. A floor that is as stiff as the half of a particle which lies
+  !! on it gives as much as this half would: bodies stand on it as on a plane of symmetry. A rough
+  !! one is half as stiff: what slides shakes less.
+  pure real(dp) function factor_of(grid, side, axis, particles, presses) result(factor)
+    type(grid_card_t), intent(in) :: grid
+    integer, intent(in) :: side, axis
+    real(dp), intent(in) :: particles            !! in a cell side
+    logical, intent(in) :: presses               !! something that the deck moves, on a wall
+    if (grid%floor(side, axis)) then
+      factor = merge(1.0_dp, 2.0_dp, grid%rough(side, axis) > 0.0_dp)*particles
+    else
+      factor = merge(firm, stiffness, presses)
+    end if
+  end function factor_of
 
   !> Columns of the particles for their ways along rough walls, and their depths at the start:
   !! behind all that laws and methods ask for, before those of loads and driven parts, which know
