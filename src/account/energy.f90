@@ -24,6 +24,7 @@ module sgmp_energy
     real(dp) :: power_before = 0.0_dp       !! sum m_I a_I . v_I at the velocity before the kick
     real(dp) :: external_power = 0.0_dp     !! of gravity and body forces at the mid-step velocity
     real(dp) :: applied_work = 0.0_dp       !! of forces on faces of particles
+    real(dp) :: springs = 0.0_dp            !! energy of walls ahead of the velocities
     real(dp) :: internal = 0.0_dp           !! growth of internal energy
     real(dp) :: viscous = 0.0_dp  !! bulk-viscous dissipation (part of the internal energy)
     real(dp) :: contact = 0.0_dp     !! kinetic energy that contact took (friction, impact)
@@ -41,6 +42,7 @@ module sgmp_energy
     real(dp) :: kinetic_before = 0.0_dp      !! before the last step
     real(dp) :: initial_total = 0.0_dp
     real(dp) :: external_work = 0.0_dp
+    real(dp) :: springs = 0.0_dp             !! of the last step, part of the external work
     real(dp) :: contact_dissipation = 0.0_dp
     real(dp) :: viscous_dissipation = 0.0_dp
     real(dp) :: interpolation_error = 0.0_dp  !! sum of dt^2/2 (sum_I m|a|^2 - sum_p m|a|^2), Eq. 43
@@ -105,7 +107,9 @@ contains
     taken = sums%contact + dt_kick*sums%taken_power
     explained = dt_kick*sums%power_before + 0.5_dp*dt_kick**2*sums%particles_aa + sums%free_growth
     if (exact) ledger%remainder = ledger%remainder + (sums%kinetic - ledger%kinetic) - explained
-    external = dt_kick*sums%external_power + sums%applied_work + sums%rigid_work
+    external = dt_kick*sums%external_power + sums%applied_work + sums%rigid_work + &
+               (sums%springs - ledger%springs)
+    ledger%springs = sums%springs
     ledger%external_work = ledger%external_work + external
     ledger%contact_dissipation = ledger%contact_dissipation + taken
     ledger%predicted = ledger%predicted + explained + sums%internal + taken - external

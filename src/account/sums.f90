@@ -5,7 +5,7 @@ module sgmp_sums
   public :: sweep_sums, sum_kinetic, sum_mass_aa, sum_internal, sum_viscous, sum_momentum, &
             sum_moment, sum_angular, sum_edge_impulse, sum_edge_work, sum_filter, &
             sum_swirl, sum_volume, sum_features, &
-            sum_applied, sum_collisions, sum_loose
+            sum_applied, sum_collisions, sum_loose, sum_springs
   public :: removed_by_card, removed_by_erosion, removed_by_loss, removed_causes
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
@@ -13,7 +13,7 @@ module sgmp_sums
             nodes_edge_taken, nodes_features, feature_sums, nodes_lost, nodes_taken, nodes_walls, &
             wall_entry
 
-  integer, parameter :: sweep_sums = 21    !! entries of a plane's sums over particles
+  integer, parameter :: sweep_sums = 22    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
   integer, parameter :: sum_mass_aa = 2    !! sum m_p |a_p|^2
   integer, parameter :: sum_internal = 3   !! growth of internal energy
@@ -31,6 +31,7 @@ module sgmp_sums
   integer, parameter :: sum_collisions = 19  !! kinetic energy that debris loses by collisions
   integer, parameter :: sum_loose = 20       !! particles that have failed and are open
   integer, parameter :: sum_swirl = 21       !! kinetic energy that swirl loses as rings widen
+  integer, parameter :: sum_springs = 22     !! of springs on faces, energy ahead of the velocities
 
   !> Why particles go for good: their material's card erode, that they have left the grid, or their
   !! body's card remove. A body has sums for each, those of a cause after cause*removed_sums others.

@@ -97,6 +97,7 @@ contains
     call archive%pass(ledger%internal)
     call archive%pass(ledger%initial_total)
     call archive%pass(ledger%external_work)
+    call archive%pass(ledger%springs)
     call archive%pass(ledger%contact_dissipation)
     call archive%pass(ledger%viscous_dissipation)
     call archive%pass(ledger%interpolation_error)

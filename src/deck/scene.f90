@@ -58,6 +58,7 @@ module sgmp_scene
     logical :: shifted(2, 3) = .false.              !! (lower|upper, axis): put a cell outwards
     logical :: one_sided(2, 3) = .false.            !! this one lets go: an open face
     logical :: floor(2, 3) = .false.                !! and bodies stand on it at the start
+    real(dp) :: floor_bears(2, 3) = 0.0_dp          !! what it may have to bear at rest (stress)
     real(dp) :: rough(2, 3) = 0.0_dp                !! its friction; huge: nothing slides
     type(position_t) :: position                    !! of the card
     logical :: open(2, 3) = .true.                  !! (lower|upper, axis): no extent given

@@ -9,6 +9,7 @@ module sgmp_walls_apart
   use sgmp_constitutive, only: law_bends, law_is_spherical, law_wave_modulus
   use sgmp_fast_scenes, only: largest_speed_of
   use sgmp_features, only: features_friction, features_release
+  use sgmp_floor_pressure, only: floor_pressure
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
   use sgmp_scene, only: body_card_t, grid_card_t, scene_space, scene_t, scene_turns
@@ -44,7 +45,7 @@ contains
 
   !> The same of one wall, if there is one: it lets go if it rests, and where things slide along it
   !! if they do not turn about the axis.
-  pure subroutine settle_wall(scene, axis, side, gap)
+  subroutine settle_wall(scene, axis, side, gap)
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: axis, side
     real(dp), intent(in) :: gap                  !! to the nearest body (cells)
@@ -62,6 +63,7 @@ contains
         if (touched .and. .not. is_floor(scene, axis, side)) return
         grid%one_sided(side, axis) = .true.
         grid%floor(side, axis) = touched
+        if (touched) grid%floor_bears(side, axis) = floor_pressure(scene, axis, side)
         grid%rough(side, axis) = friction
         grid%wall(side, axis) = wall_free
         grid%open(side, axis) = .true.

@@ -354,8 +354,7 @@ contains
     end if
     if (plan%drift .and. size(body%walls) > 0) then
       call one_sided_drift(mesh, body%walls, task%live(1, nl), motion, &
-                           plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), state, &
-                           lane_sums(1, sum_applied))
+                           plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), state, lane_sums)
     end if
     if (plan%drift .and. mesh%graded) then
       call drift_graded(mesh, task%dt_cells, task%live(1, nl), origin, extent, &

@@ -11,6 +11,8 @@ module sgmp_one_sided_wall
     integer :: columns(3) = 0          !! of those for such forces, by components; 0: there is none
     real(dp) :: place = 0.0_dp         !! along the axis (cells)
     real(dp) :: stiffness = 0.0_dp     !! pressure per depth to which a face has come
+    real(dp) :: hard = 0.0_dp          !! the same up to the depth `bed`
+    real(dp) :: bed = 0.0_dp           !! as far as that, 0: nowhere
     real(dp) :: spacing = 0.0_dp       !! of the particles (length)
     real(dp) :: friction = 0.0_dp      !! coefficient; 0: smooth, huge: what is pressed on it stays
     real(dp) :: grip = 0.0_dp          !! shear stress per way along the wall

@@ -19,7 +19,7 @@ module sgmp_totals
                        removed_internal, removed_kinetic, &
                        removed_mass, removed_moment, removed_momentum, removed_sums, &
                        sum_applied, sum_internal, sum_kinetic, sum_loose, sum_mass_aa, &
-                       sum_moment, sum_momentum, sum_viscous, sweep_sums
+                       sum_moment, sum_momentum, sum_springs, sum_viscous, sweep_sums
   use sgmp_tally, only: tally_reset, tally_total
   implicit none
   private
@@ -185,6 +185,7 @@ contains
     all%internal = all%internal + sums(sum_internal)
     all%viscous = all%viscous + sums(sum_viscous)
     all%applied_work = all%applied_work + sums(sum_applied)
+    all%springs = all%springs + sums(sum_springs)
     call terms_take(terms, from_particles, sums)
   end subroutine add_body
 

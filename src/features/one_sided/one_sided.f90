@@ -3,8 +3,8 @@
 !! The face of a particle with the volume V and the spacing s lies s/2 from its centre. Where it is
 !! beyond the wall by the depth d it is pushed back by
 !!     f = K d V/s,   K = 0.4 rho c^2/h (2 rho c^2/h where something is pressed),            (OS1)
-!! the force of a spring with the energy K d^2 V/(2 s), which comes back. Nothing holds it when it
-!! leaves. A rough wall holds it along itself, by the way u that it has gone since it touched:
+!! the force of a spring with the energy K d^2 V/(2 s), which comes back. The first d of a floor, its
+!! bed, are as stiff as the matter that stands there. Nothing holds a particle when it leaves. A rough wall holds it along itself, by the way u that it has gone since it touched:
 !!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h (2 G/h),                          (OS2)
 !! Coulomb's law with an elastic way before it slides; beyond the limit u is cut back to it.
 !!
@@ -19,10 +19,15 @@
 !! nodes by the function whose gradient stresses see there, and a uniform stress is in equilibrium
 !! with them (sgmp_loads). Their work is that on the way of the particle and, by the strain, on that
 !! of the face from there.
+!!
+!! Velocities lie half a step before the places that go with them. So the energy of a spring that
+!! adds up with theirs is K d d' V/(2 s), d and d' the depths before and after a step, and not
+!! K d'^2 V/(2 s): the difference is a sum of its own, which the account takes back a step later.
 module sgmp_one_sided
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
   use sgmp_one_sided_wall, only: one_sided_wall_t
+  use sgmp_sums, only: sum_applied, sum_springs, sweep_sums
   implicit none
   private
   public :: one_sided_drift, one_sided_first_way, one_sided_flux, one_sided_forces, one_sided_levers, one_sided_push, &
@@ -96,13 +101,13 @@ contains
   end subroutine one_sided_levers
 
   !> Moves the particles of a chunk along walls and adds the energy that these give to them.
-  pure subroutine one_sided_drift(mesh, walls, live, motion, drifted, state, work)
+  pure subroutine one_sided_drift(mesh, walls, live, motion, drifted, state, sums)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     real(dp), intent(in) :: live(lanes), motion(lanes, *)
     real(dp), intent(in) :: drifted(lanes, *)    !! way to the new places
     real(dp), intent(inout) :: state(lanes, *)   !! volumes first
-    real(dp), intent(inout) :: work(lanes)
+    real(dp), intent(inout) :: sums(lanes, sweep_sums)
     real(dp) :: before, after, area, more
     integer :: l, w
     do w = 1, size(walls)
@@ -115,8 +120,11 @@ contains
           if (wall%way > 0) more = state(l, wall%way + wall%axis - 1)
           before = depth(mesh, wall, place(l), more)
           after = depth(mesh, wall, place(l) + mesh%inverse_h*drifted(l, wall%axis), more)
-          work(l) = work(l) + 0.5_dp*wall%stiffness*area*(before**2 - after**2)
-          if (wall%way > 0) call rub(mesh, wall, l, after, area, drifted, state, work(l))
+          associate (work => sums(l, sum_applied), ahead => sums(l, sum_springs))
+            work = work + area*(energy(wall, before) - energy(wall, after))
+            ahead = ahead + 0.5_dp*area*pressure(wall, after)*(after - before)
+            if (wall%way > 0) call rub(mesh, wall, l, after, area, drifted, state, work, ahead)
+          end associate
         end do
       end associate
     end do
@@ -124,13 +132,13 @@ contains
 
   !> The way of a particle along a wall, which it forgets where it leaves; the work of the force in
   !! the middle of the step, that of friction where it slides.
-  pure subroutine rub(mesh, wall, l, depth_now, area, drifted, state, work)
+  pure subroutine rub(mesh, wall, l, depth_now, area, drifted, state, work, ahead)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
     integer, intent(in) :: l                     !! lane
     real(dp), intent(in) :: depth_now, area, drifted(lanes, *)
-    real(dp), intent(inout) :: state(lanes, *), work
-    real(dp) :: most, length, way(3), middle(3), gone(3)
+    real(dp), intent(inout) :: state(lanes, *), work, ahead
+    real(dp) :: most, length, way(3), old(3), gone(3)
     integer :: n
     n = mesh%ndim
     if (depth_now <= 0.0_dp) then
@@ -144,13 +152,13 @@ contains
     gone = 0.0_dp
     gone(:n) = drifted(l, :n)
     gone(wall%axis) = 0.0_dp
-    middle = 0.5_dp*way
+    old = way
     way = way + gone
     length = norm2(way)
-    most = min(wall%friction*(wall%stiffness/wall%grip*depth_now), huge(1.0_dp))
+    most = min(wall%friction*(pressure(wall, depth_now)/wall%grip), huge(1.0_dp))
     if (length > most) way = way*(most/length)
-    middle = middle + 0.5_dp*way
-    work = work - wall%grip*area*dot_product(middle, gone)
+    work = work - wall%grip*area*dot_product(0.5_dp*(old + way), gone)
+    ahead = ahead + 0.5_dp*wall%grip*area*dot_product(way, way - old)
     way(wall%axis) = state(l, wall%way + wall%axis - 1)
     state(l, wall%way:wall%way + n - 1) = way(:n)
   end subroutine rub
@@ -199,7 +207,7 @@ contains
     end if
     if (.not. deep > 0.0_dp) return
     forces(:size(way)) = -wall%grip*way
-    forces(wall%axis) = inwards(wall)*wall%stiffness*deep
+    forces(wall%axis) = inwards(wall)*pressure(wall, deep)
     forces = forces*(volume/wall%spacing)
   end function one_sided_forces
 
@@ -223,7 +231,7 @@ contains
     length = norm2(way)
     most = min(wall%friction*abs(stress(n))/wall%grip, huge(1.0_dp))
     if (length > most) way = way*(most/length)
-    way(n) = abs(stress(n))/wall%stiffness
+    way(n) = depth_of(wall, abs(stress(n)))
   end function one_sided_first_way
 
   !> The same of a particle in its lane.
@@ -243,6 +251,31 @@ contains
     real(dp), intent(in) :: places(lanes)
     yes = any(inwards(wall)*(places - wall%place) < 1.0_dp)
   end function reached
+
+  !> What the springs of a wall press with at a depth (OS1).
+  elemental real(dp) function pressure(wall, depth)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: depth
+    pressure = wall%stiffness*depth + (wall%hard - wall%stiffness)*min(depth, wall%bed)
+  end function pressure
+
+  !> The depth at which they press so.
+  elemental real(dp) function depth_of(wall, pressure) result(depth)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: pressure
+    depth = min(pressure/max(wall%hard, wall%stiffness), wall%bed)
+    depth = depth + (pressure - max(wall%hard, wall%stiffness)*depth)/wall%stiffness
+  end function depth_of
+
+  !> Their energy per area there.
+  elemental real(dp) function energy(wall, depth)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: depth
+    associate (first => min(depth, wall%bed))
+      energy = 0.5_dp*wall%stiffness*depth**2 + &
+               (wall%hard - wall%stiffness)*first*(depth - 0.5_dp*first)
+    end associate
+  end function energy
 
   !> How far the face of a particle has come through a wall; 0: not at all.
   elemental function depth(mesh, wall, place, more) result(way)

@@ -20,6 +20,7 @@ module sgmp_one_sided_build
   !> The same where the deck moves something, which may press a body on a wall: there the springs
   !! must not give.
   real(dp), parameter :: firm = 2.0_dp
+  real(dp), parameter :: deepest = 0.1_dp     !! of a floor's bed (cells)
 
 contains
 
@@ -44,10 +45,12 @@ contains
         if (.not. mesh%one_sided(side, axis)) cycle
         new%side = side
         new%axis = axis
-        factor = factor_of(scene%grid, side, axis, mesh%h/body%spacing, &
-                           scene_presses(scene))
+        factor = merge(firm, stiffness, scene_presses(scene))
         new%stiffness = factor*law_wave_modulus(law)*mesh%inverse_h
         new%grip = factor*law%elastic%shear*mesh%inverse_h
+        if (scene%grid%floor(side, axis)) then
+          call make_floor(mesh, law, scene%grid, new)
+        end if
         new%place = merge(scene%grid%lower(axis), scene%grid%upper(axis), side == 1)
         new%place = (new%place - mesh%origin(axis))*mesh%inverse_h
         new%friction = mesh%rough(side, axis)
@@ -57,20 +60,20 @@ contains
     end do
   end subroutine one_sided_declare
 
-  !> Stiffness of a wall over rho c^2/h. A floor that is as stiff as the half of a particle which lies
-  !! on it gives as much as this half would: bodies stand on it as on a plane of symmetry. A rough
-  !! one is half as stiff: what slides shakes less.
-  pure real(dp) function factor_of(grid, side, axis, particles, presses) result(factor)
+  !> The bed of a floor, which bears what stands on it: springs as stiff as the half of a particle
+  !! that lies on them give as much as this half would, so that bodies stand as on a plane of
+  !! symmetry. Those of a rough one are half as stiff: what slides shakes less.
+  pure subroutine make_floor(mesh, law, grid, wall)
+    type(mesh_t), intent(in) :: mesh
+    type(constitutive_t), intent(in) :: law
     type(grid_card_t), intent(in) :: grid
-    integer, intent(in) :: side, axis
-    real(dp), intent(in) :: particles            !! in a cell side
-    logical, intent(in) :: presses               !! something that the deck moves, on a wall
-    if (grid%floor(side, axis)) then
-      factor = merge(1.0_dp, 2.0_dp, grid%rough(side, axis) > 0.0_dp)*particles
-    else
-      factor = merge(firm, stiffness, presses)
-    end if
-  end function factor_of
+    type(one_sided_wall_t), intent(inout) :: wall
+    wall%hard = merge(1.0_dp, 2.0_dp, grid%rough(wall%side, wall%axis) > 0.0_dp)* &
+                law_wave_modulus(law)/wall%spacing
+    wall%hard = max(wall%hard, wall%stiffness)
+    wall%bed = min(grid%floor_bears(wall%side, wall%axis)/wall%hard, deepest*mesh%h)
+    wall%grip = firm*law%elastic%shear*mesh%inverse_h
+  end subroutine make_floor
 
   !> Columns of the particles for their ways along rough walls, and their depths at the start:
   !! behind all that laws and methods ask for, before those of loads and driven parts, which know
