@@ -34,8 +34,8 @@ module DIM(sgmp_chunk)
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
-  use sgmp_one_sided, only: one_sided_drift, one_sided_flux, one_sided_levers, one_sided_push, &
-                            one_sided_strain
+  use sgmp_one_sided, only: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_levers, &
+                            one_sided_push, one_sided_reached, one_sided_strain
   use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
@@ -287,6 +287,7 @@ contains
     real(dp) :: radius(lanes)
 #endif
     real(dp) :: change(lanes, NDIM), heat(lanes)
+    real(dp) :: jumps(lanes, 3, size(body%walls))
     logical :: outside, erodes, eroded(lanes), collides, leaves(lanes)
     if (plan%loose) then
       call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
@@ -299,6 +300,9 @@ contains
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, task%live(1, nl), xi, cell, axes, row, records, got)
+    if (plan%strain .and. size(body%walls) > 0) then
+      call gather_walls(mesh, body%walls, task, xi, cell, row, records, motion, nb, state, jumps)
+    end if
 #ifdef AXISYMMETRIC
     if (.not. task%centred .and. plan%gradient > 0) then
       call gather_hoop(task, xi, cell, axes, row, records, motion, &
@@ -384,7 +388,7 @@ contains
     end if
     if (plan%strain .and. size(body%walls) > 0) then
       call one_sided_strain(mesh, body%walls, task%live(1, nl), motion, state, &
-                            plan%dt_strain, got(1, task%gradient), lane_sums(1, sum_applied))
+                            plan%dt_strain, got(1, task%gradient), jumps, lane_sums)
     end if
     if (body%faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
@@ -1125,6 +1129,39 @@ contains
     if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
                                         motion, state, values(1, task%apart(1)))
   end subroutine collect_rest
+
+  !> How fast faces at walls move by the levers of these (OS4).
+  pure subroutine gather_walls(mesh, walls, task, xi, cell, row, records, motion, nb, state, jumps)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: walls(:)
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: cell(lanes), row(most_rows), nb
+    real(dp), intent(in) :: xi(lanes, NDIM), records(task%stride, *)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
+    real(dp), intent(out) :: jumps(lanes, 3, size(walls))
+    real(dp) :: at(lanes, NDIM, NDIM, 0:1), end(lanes, NDIM), weights(lanes, NCORNER), arms(lanes)
+    integer :: a, side, w
+    jumps = 0.0_dp
+    if (.not. task%centred) return
+    do w = 1, size(walls)
+      associate (n => walls(w)%axis)
+        if (.not. one_sided_reached(walls(w), motion(:, n))) cycle
+        do side = 0, 1
+          end = xi
+          end(:, n) = side
+          call linear_weights(end, weights)
+          call linear_gather(NDIM**2, weights, cell, task%stride, records(task%gradient, 1), row, &
+                             at(1, 1, 1, side))
+        end do
+        arms = one_sided_arms(mesh, walls(w), xi(:, n), state)
+        do a = 1, NDIM
+          jumps(:, a, w) = at(:, n, a, 1) - at(:, n, a, 0)
+          if (a /= n) jumps(:, a, w) = jumps(:, a, w) + at(:, a, n, 1) - at(:, a, n, 0)
+          jumps(:, a, w) = arms*jumps(:, a, w)
+        end do
+      end associate
+    end do
+  end subroutine gather_walls
 
   !> Adds the levers of the forces of walls that let go, on those particles that have stayed.
   pure subroutine scatter_walls(mesh, walls, task, id, motion, state, nb, xi, cell, stencil)

@@ -57,7 +57,7 @@ module sgmp_material_history
     kept_t('flaw_strain', .true., .false., 'strain of the weakest flaw (failure flaws)'), &
     kept_t('flaw_radius', .false., .false., 'radius of the particle (failure flaws)'), &
     kept_t('path', .true., .false., 'path from the particle that was split (split)'), &
-    kept_t('grip', .false., .false., 'way along rough walls (wall)')]
+    kept_t('grip', .false., .false., 'face at walls that let go (wall)')]
 
   !> Columns that a law wants besides volume and stress, with their first values where not 0.
   type :: history_t

@@ -16,8 +16,9 @@ module sgmp_one_sided_wall
     real(dp) :: spacing = 0.0_dp       !! of the particles (length)
     real(dp) :: friction = 0.0_dp      !! coefficient; 0: smooth, huge: what is pressed on it stays
     real(dp) :: grip = 0.0_dp          !! shear stress per way along the wall
-    logical :: loaded = .false.        !! particles begin with a stress on it
-    integer :: way = 0                 !! state column of that way, its first component; 0: none
+    integer :: way = 0                 !! state column of that way, its first component; 0: smooth
+    integer :: half = 0                !! that of how much longer the half of a particle is which
+                                       !! lies towards it; of a rough one that of the way across
   end type one_sided_wall_t
 
 end module sgmp_one_sided_wall

@@ -288,7 +288,7 @@ contains
       call absorbing_declare(card, scene%grid, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
-      call one_sided_declare(scene, card, mesh, material%law, body)
+      call one_sided_declare(scene, mesh, material%law, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)

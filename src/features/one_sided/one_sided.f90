@@ -1,28 +1,33 @@
 !> Walls of the grid that let go: what they do to particles (doc/loads.md, Bodies near walls).
 !!
-!! The face of a particle with the volume V and the spacing s lies s/2 from its centre. Where it is
-!! beyond the wall by the depth d it is pushed back by
-!!     f = K d V/s,   K = 0.4 rho c^2/h (2 rho c^2/h where something is pressed),            (OS1)
-!! the force of a spring with the energy K d^2 V/(2 s), which comes back. The first d of a floor, its
-!! bed, are as stiff as the matter that stands there. Nothing holds a particle when it leaves. A rough wall holds it along itself, by the way u that it has gone since it touched:
-!!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h (2 G/h),                          (OS2)
+!! The face of a particle with the volume V and the spacing s lies w from its centre, s/2 at first.
+!! Where it is beyond the wall by the depth d it is pushed back by
+!!     f = K d V/s,   K = 0.4 rho c^2/h (4 rho c^2/h where something is pressed),            (OS1)
+!! the force of a spring with the energy K d^2 V/(2 s), which comes back. The bed of a floor, its
+!! first d, is harder. Nothing holds a particle when it leaves. A rough wall holds it along itself,
+!! by the way u that its face has gone since it touched:
+!!     t = -K_t u V/s,   |t| <= mu f,   K_t = 0.4 G/h (4 G/h),                          (OS2)
 !! Coulomb's law with an elastic way before it slides; beyond the limit u is cut back to it.
 !!
-!! Springs bear what a body bears at the start, where it begins with a stress on a wall: by a depth
-!! more, and a way along it, that make (OS1) and (OS2) the traction there. A particle keeps both
-!! until it leaves, that depth as the component of its way across the wall.
-!!
-!! The forces act at the face. Particles bring them to the grid where they are, with f s/2 beside
-!! the product of their stress and volume, and where stresses act at centres with
-!!     f/h (h^2 xi (1 - xi)/2 - s^2/8)                                                       (OS3)
+!! The forces act at the face. Particles bring them to the grid where they are, with f w beside the
+!! product of their stress and volume, and where stresses act at centres with
+!!     A f/h,   A = h^2 xi (1 - xi)/2 - w^2/2                                                (OS3)
 !! more at the centre above than at the one below, xi the place between them: so they get to the
 !! nodes by the function whose gradient stresses see there, and a uniform stress is in equilibrium
-!! with them (sgmp_loads). Their work is that on the way of the particle and, by the strain, on that
-!! of the face from there.
+!! with them (sgmp_loads). And the face moves as it must for that to be the transpose: with the
+!! strain e of its particle, and with those at the centres,
+!!     dx_f = dx -+ w e - A (e_above - e_below),                                             (OS4)
+!! - at a lower wall, + at an upper one. d and u follow the face, so that springs give back what they
+!! take. (Where d followed the centre alone, a body that stood on a floor lost a quarter of its
+!! energy in thirty vibrations.) What a particle keeps for that, w - s/2 and u, it forgets a cell
+!! away from the wall.
 !!
 !! Velocities lie half a step before the places that go with them. So the energy of a spring that
 !! adds up with theirs is K d d' V/(2 s), d and d' the depths before and after a step, and not
 !! K d'^2 V/(2 s): the difference is a sum of its own, which the account takes back a step later.
+!!
+!! Springs bear what a body bears at the start, where it begins with a stress on a wall: by a depth
+!! more, and a way along it, that make (OS1) and (OS2) the traction there.
 module sgmp_one_sided
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t
@@ -30,8 +35,8 @@ module sgmp_one_sided
   use sgmp_sums, only: sum_applied, sum_springs, sweep_sums
   implicit none
   private
-  public :: one_sided_drift, one_sided_first_way, one_sided_flux, one_sided_forces, one_sided_levers, one_sided_push, &
-            one_sided_strain
+  public :: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_forces, &
+            one_sided_levers, one_sided_load, one_sided_push, one_sided_reached, one_sided_strain
 
   !> Place of the stress between two axes among those that exert a force, where there are so many
   !! axes.
@@ -54,7 +59,7 @@ contains
     integer :: a, l, w
     do w = 1, size(walls)
       associate (wall => walls(w))
-        if (.not. reached(wall, motion(:, wall%axis))) cycle
+        if (.not. one_sided_reached(wall, motion(:, wall%axis))) cycle
         do l = 1, lanes
           if (live(l) <= 0.0_dp) cycle
           push = forces_on(mesh, wall, l, motion, state)
@@ -62,7 +67,7 @@ contains
             if (wall%columns(a) == 0) cycle
             force(l, wall%columns(a)) = force(l, wall%columns(a)) + push(a)
             associate (stress => flux(l, one_sided_flux(mesh, wall, a)))
-              stress = stress + 0.5_dp*wall%spacing*inwards(wall)*push(a)
+              stress = stress + to_face(wall, state(l, wall%half))*inwards(wall)*push(a)
             end associate
           end do
         end do
@@ -87,20 +92,31 @@ contains
     real(dp), intent(in) :: xi(lanes)            !! place along the axis, from the centre below
     real(dp), intent(out) :: levers(lanes, 3)
     logical, intent(out) :: some                 !! some are pushed
-    real(dp) :: arm
+    real(dp) :: arms(lanes)
     integer :: l
     levers = 0.0_dp
-    some = reached(wall, motion(:, wall%axis))
+    some = one_sided_reached(wall, motion(:, wall%axis))
     if (.not. some) return
+    arms = one_sided_arms(mesh, wall, xi, state)
     do l = 1, lanes
       if (live(l) <= 0.0_dp) cycle
-      arm = 0.5_dp*mesh%h*xi(l)*(1.0_dp - xi(l)) - 0.125_dp*mesh%inverse_h*wall%spacing**2
-      levers(l, :) = arm*forces_on(mesh, wall, l, motion, state)
+      levers(l, :) = arms(l)*forces_on(mesh, wall, l, motion, state)
     end do
     some = any(abs(levers(:, wall%axis)) > 0.0_dp)
   end subroutine one_sided_levers
 
-  !> Moves the particles of a chunk along walls and adds the energy that these give to them.
+  !> Their arms over the cell side, A/h (OS3).
+  pure function one_sided_arms(mesh, wall, xi, state) result(arms)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: xi(lanes)            !! place along the axis, from the centre below
+    real(dp), intent(in) :: state(lanes, *)
+    real(dp) :: arms(lanes)
+    arms = 0.5_dp*mesh%h*xi*(1.0_dp - xi) - &
+           0.5_dp*mesh%inverse_h*to_face(wall, state(:lanes, wall%half))**2
+  end function one_sided_arms
+
+  !> Moves the particles of a chunk along walls and books the energy that these give to them.
   pure subroutine one_sided_drift(mesh, walls, live, motion, drifted, state, sums)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
@@ -108,131 +124,142 @@ contains
     real(dp), intent(in) :: drifted(lanes, *)    !! way to the new places
     real(dp), intent(inout) :: state(lanes, *)   !! volumes first
     real(dp), intent(inout) :: sums(lanes, sweep_sums)
-    real(dp) :: before, after, area, more
-    integer :: l, w
+    real(dp) :: gone(3)
+    integer :: l, w, n
+    n = mesh%ndim
+    gone = 0.0_dp
     do w = 1, size(walls)
       associate (wall => walls(w), place => motion(:, walls(w)%axis))
-        if (.not. reached(wall, place)) cycle
+        if (.not. any(near(wall, place, most=2.0_dp))) cycle
         do l = 1, lanes
           if (live(l) <= 0.0_dp) cycle
-          area = state(l, 1)/wall%spacing
-          more = 0.0_dp
-          if (wall%way > 0) more = state(l, wall%way + wall%axis - 1)
-          before = depth(mesh, wall, place(l), more)
-          after = depth(mesh, wall, place(l) + mesh%inverse_h*drifted(l, wall%axis), more)
-          associate (work => sums(l, sum_applied), ahead => sums(l, sum_springs))
-            work = work + area*(energy(wall, before) - energy(wall, after))
-            ahead = ahead + 0.5_dp*area*pressure(wall, after)*(after - before)
-            if (wall%way > 0) call rub(mesh, wall, l, after, area, drifted, state, work, ahead)
-          end associate
+          gone(:n) = drifted(l, :n)
+          if (near(wall, place(l), most=1.0_dp)) then
+            call move_face(mesh, wall, l, place(l), gone, .false., state, sums)
+          else if (near(wall, place(l) + mesh%inverse_h*gone(wall%axis), most=1.0_dp)) then
+            call forget(mesh, wall, l, state)
+          end if
         end do
       end associate
     end do
   end subroutine one_sided_drift
 
-  !> The way of a particle along a wall, which it forgets where it leaves; the work of the force in
-  !! the middle of the step, that of friction where it slides.
-  pure subroutine rub(mesh, wall, l, depth_now, area, drifted, state, work, ahead)
-    type(mesh_t), intent(in) :: mesh
-    type(one_sided_wall_t), intent(in) :: wall
-    integer, intent(in) :: l                     !! lane
-    real(dp), intent(in) :: depth_now, area, drifted(lanes, *)
-    real(dp), intent(inout) :: state(lanes, *), work, ahead
-    real(dp) :: most, length, way(3), old(3), gone(3)
-    integer :: n
-    n = mesh%ndim
-    if (depth_now <= 0.0_dp) then
-      state(l, wall%way:wall%way + n - 1) = 0.0_dp
-      return
-    end if
-    if (.not. wall%friction > 0.0_dp) return
-    way = 0.0_dp
-    way(:n) = state(l, wall%way:wall%way + n - 1)
-    way(wall%axis) = 0.0_dp
-    gone = 0.0_dp
-    gone(:n) = drifted(l, :n)
-    gone(wall%axis) = 0.0_dp
-    old = way
-    way = way + gone
-    length = norm2(way)
-    most = min(wall%friction*(pressure(wall, depth_now)/wall%grip), huge(1.0_dp))
-    if (length > most) way = way*(most/length)
-    work = work - wall%grip*area*dot_product(0.5_dp*(old + way), gone)
-    ahead = ahead + 0.5_dp*wall%grip*area*dot_product(way, way - old)
-    way(wall%axis) = state(l, wall%way + wall%axis - 1)
-    state(l, wall%way:wall%way + n - 1) = way(:n)
-  end subroutine rub
-
-  !> The rest of the work of walls: faces move towards their centres.
-  pure subroutine one_sided_strain(mesh, walls, live, motion, state, dt, gradient, work)
+  !> Moves faces as their particles are strained, and by their levers (OS4).
+  pure subroutine one_sided_strain(mesh, walls, live, motion, state, dt, gradient, jumps, sums)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
-    real(dp), intent(in) :: live(lanes), motion(lanes, *), state(lanes, *)
+    real(dp), intent(in) :: live(lanes), motion(lanes, *)
+    real(dp), intent(inout) :: state(lanes, *)
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: gradient(lanes, mesh%ndim, *)  !! of the velocity (axis, component)
-    real(dp), intent(inout) :: work(lanes)
-    real(dp) :: push(3), strain
+    real(dp), intent(in) :: jumps(lanes, 3, *)   !! velocities of faces by levers, per wall
+    real(dp), intent(inout) :: sums(lanes, sweep_sums)
+    real(dp) :: rate, gone(3)
     integer :: a, l, w
+    gone = 0.0_dp
     do w = 1, size(walls)
       associate (wall => walls(w), n => walls(w)%axis)
-        if (.not. reached(wall, motion(:, n))) cycle
+        if (.not. one_sided_reached(wall, motion(:, n))) cycle
         do l = 1, lanes
-          if (live(l) <= 0.0_dp) cycle
-          push = forces_on(mesh, wall, l, motion, state)
+          if (live(l) <= 0.0_dp .or. .not. near(wall, motion(l, n), most=1.0_dp)) cycle
           do a = 1, mesh%ndim
-            strain = gradient(l, n, a)
-            if (a /= n) strain = strain + gradient(l, a, n)
-            work(l) = work(l) - 0.5_dp*wall%spacing*inwards(wall)*push(a)*dt*strain
+            rate = gradient(l, n, a)
+            if (a /= n) rate = rate + gradient(l, a, n)
+            gone(a) = -dt*(inwards(wall)*to_face(wall, state(l, wall%half))*rate + jumps(l, a, w))
           end do
+          call move_face(mesh, wall, l, motion(l, n), gone, .true., state, sums)
         end do
       end associate
     end do
   end subroutine one_sided_strain
 
+  !> Moves the face of a particle with its centre, or, where it then is where the next force acts, from
+  !! it, and books the energy that springs give.
+  pure subroutine move_face(mesh, wall, l, place, gone, settles, state, sums)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: l                     !! lane
+    real(dp), intent(in) :: place                !! of the particle before (cells)
+    real(dp), intent(in) :: gone(3)              !! way of its face
+    logical, intent(in) :: settles               !! it moves from the centre
+    real(dp), intent(inout) :: state(lanes, *), sums(lanes, sweep_sums)
+    real(dp) :: area, before, after
+    area = state(l, 1)/wall%spacing
+    before = to_face(wall, state(l, wall%half)) - &
+             mesh%h*inwards(wall)*(place - wall%place)
+    after = max(before - inwards(wall)*gone(wall%axis), 0.0_dp)
+    before = max(before, 0.0_dp)
+    if (settles) state(l, wall%half) = state(l, wall%half) - inwards(wall)*gone(wall%axis)
+    associate (work => sums(l, sum_applied), ahead => sums(l, sum_springs))
+      work = work + area*(energy(wall, before) - energy(wall, after))
+      ahead = ahead + 0.5_dp*area*pressure(wall, after)*(after - before)
+    end associate
+    if (wall%way > 0) call rub(mesh, wall, l, [before, after], gone, settles, state, sums)
+  end subroutine move_face
+
+  !> The way of a face along a rough wall and the work of the force in the middle, that of friction
+  !! where it slides. When the face is where the next force acts, the way is cut back to what
+  !! friction holds, and forgotten where the face has left.
+  pure subroutine rub(mesh, wall, l, deep, moved, settles, state, sums)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: l                     !! lane
+    real(dp), intent(in) :: deep(2)              !! depth of the face before and after
+    real(dp), intent(in) :: moved(3)             !! its way between
+    logical, intent(in) :: settles               !! it is where the next force acts
+    real(dp), intent(inout) :: state(lanes, *), sums(lanes, sweep_sums)
+    real(dp) :: way(3), old(3), new(3), gone(3)
+    integer :: a, n
+    n = mesh%ndim
+    old = 0.0_dp
+    gone = 0.0_dp
+    do a = 1, n
+      if (a == wall%axis) cycle
+      old(a) = state(l, wall%way + a - 1)
+      gone(a) = moved(a)
+    end do
+    way = old + gone
+    old = held(wall, deep(1), old)
+    new = held(wall, deep(merge(2, 1, settles)), way)
+    associate (half => 0.5_dp*wall%grip*state(l, 1)/wall%spacing)
+      sums(l, sum_applied) = sums(l, sum_applied) - half*dot_product(old + new, gone)
+      sums(l, sum_springs) = sums(l, sum_springs) + half*dot_product(new, new - old)
+    end associate
+    if (settles) way = new
+    do a = 1, n
+      if (a /= wall%axis) state(l, wall%way + a - 1) = way(a)
+    end do
+  end subroutine rub
+
+  !> As much of a way along a rough wall as friction holds where the face is so deep (OS2).
+  pure function held(wall, deep, way) result(part)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: deep, way(3)
+    real(dp) :: part(3)
+    real(dp) :: length, most
+    part = 0.0_dp
+    if (deep <= 0.0_dp) return
+    part = way
+    length = norm2(way)
+    most = min(wall%friction*(pressure(wall, deep)/wall%grip), huge(1.0_dp))
+    if (length > most) part = way*(most/length)
+  end function held
+
   !> Forces of a wall on a particle.
-  pure function one_sided_forces(mesh, wall, place, volume, way) result(forces)
+  pure function one_sided_forces(mesh, wall, place, state) result(forces)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: place                !! of the particle along the axis (cells)
-    real(dp), intent(in) :: volume
-    real(dp), intent(in) :: way(:)               !! along the wall, and its depth at the start;
-                                                 !! empty: there are none
+    real(dp), intent(in) :: state(:)             !! its columns, the volume first
     real(dp) :: forces(3)
     real(dp) :: deep
     forces = 0.0_dp
-    if (size(way) == 0) then
-      deep = depth(mesh, wall, place, 0.0_dp)
-    else
-      deep = depth(mesh, wall, place, way(wall%axis))
-    end if
+    deep = depth(mesh, wall, place, state(wall%half))
     if (.not. deep > 0.0_dp) return
-    forces(:size(way)) = -wall%grip*way
+    if (wall%way > 0) forces(:mesh%ndim) = -wall%grip*state(wall%way:wall%way + mesh%ndim - 1)
     forces(wall%axis) = inwards(wall)*pressure(wall, deep)
-    forces = forces*(volume/wall%spacing)
+    forces = forces*(state(1)/wall%spacing)
   end function one_sided_forces
-
-  !> The way with which a particle begins whose face lies at a wall and bears a stress there: none
-  !! where it lies farther away or is pulled.
-  pure function one_sided_first_way(mesh, wall, place, stress) result(way)
-    type(mesh_t), intent(in) :: mesh
-    type(one_sided_wall_t), intent(in) :: wall
-    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
-    real(dp), intent(in) :: stress(3)            !! components of the stress with the wall's axis
-    real(dp) :: way(3)
-    real(dp), parameter :: near = 0.1_dp         !! spacings between such a face and the wall
-    real(dp) :: length, most
-    integer :: n
-    n = wall%axis
-    way = 0.0_dp
-    if (stress(n) >= 0.0_dp .or. &
-        depth(mesh, wall, place, near*wall%spacing) <= 0.0_dp) return
-    if (wall%friction > 0.0_dp) way = inwards(wall)*stress/wall%grip
-    way(n) = 0.0_dp
-    length = norm2(way)
-    most = min(wall%friction*abs(stress(n))/wall%grip, huge(1.0_dp))
-    if (length > most) way = way*(most/length)
-    way(n) = depth_of(wall, abs(stress(n)))
-  end function one_sided_first_way
 
   !> The same of a particle in its lane.
   pure function forces_on(mesh, wall, l, motion, state) result(forces)
@@ -241,16 +268,57 @@ contains
     integer, intent(in) :: l
     real(dp), intent(in) :: motion(lanes, *), state(lanes, *)
     real(dp) :: forces(3)
-    forces = one_sided_forces(mesh, wall, motion(l, wall%axis), state(l, 1), &
-                              state(l, wall%way:wall%way + merge(mesh%ndim, 0, wall%way > 0) - 1))
+    forces = one_sided_forces(mesh, wall, motion(l, wall%axis), &
+                              state(l, :max(wall%half, wall%way + mesh%ndim - 1)))
   end function forces_on
 
+  !> Lets the springs of a wall bear the stress with which a particle begins at it, if its face lies
+  !! there and is pressed on it.
+  pure subroutine one_sided_load(mesh, wall, stress, place, state)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: stress(3)            !! at the face: components with the wall's axis
+    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
+    real(dp), intent(inout) :: state(:)          !! its columns
+    real(dp), parameter :: beside = 0.1_dp       !! spacings between such a face and the wall
+    real(dp) :: way(3), length, most
+    integer :: n
+    n = wall%axis
+    if (stress(n) >= 0.0_dp .or. depth(mesh, wall, place, beside*wall%spacing) <= 0.0_dp) return
+    state(wall%half) = depth_of(wall, abs(stress(n)))
+    if (wall%way == 0) return
+    way = inwards(wall)*stress/wall%grip
+    way(n) = 0.0_dp
+    length = norm2(way)
+    most = min(wall%friction*(abs(stress(n))/wall%grip), huge(1.0_dp))
+    if (length > most) way = way*(most/length)
+    way(n) = state(wall%half)
+    state(wall%way:wall%way + mesh%ndim - 1) = way(:mesh%ndim)
+  end subroutine one_sided_load
+
+  !> Forgets a particle's way and stretch.
+  pure subroutine forget(mesh, wall, l, state)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: l                     !! lane
+    real(dp), intent(inout) :: state(lanes, *)
+    state(l, wall%half) = 0.0_dp
+    if (wall%way > 0) state(l, wall%way:wall%way + mesh%ndim - 1) = 0.0_dp
+  end subroutine forget
+
   !> Whether particles of a chunk may have come to a wall.
-  pure logical function reached(wall, places) result(yes)
+  pure logical function one_sided_reached(wall, places) result(yes)
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: places(lanes)
-    yes = any(inwards(wall)*(places - wall%place) < 1.0_dp)
-  end function reached
+    yes = any(near(wall, places, most=1.0_dp))
+  end function one_sided_reached
+
+  !> Whether a particle is near a wall.
+  elemental logical function near(wall, place, most) result(yes)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: place, most          !! distance (cells)
+    yes = inwards(wall)*(place - wall%place) < most
+  end function near
 
   !> What the springs of a wall press with at a depth (OS1).
   elemental real(dp) function pressure(wall, depth)
@@ -263,8 +331,9 @@ contains
   elemental real(dp) function depth_of(wall, pressure) result(depth)
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: pressure
-    depth = min(pressure/max(wall%hard, wall%stiffness), wall%bed)
-    depth = depth + (pressure - max(wall%hard, wall%stiffness)*depth)/wall%stiffness
+    depth = 0.0_dp
+    if (wall%bed > 0.0_dp) depth = min(pressure/wall%hard, wall%bed)
+    depth = depth + (pressure - wall%hard*depth)/wall%stiffness
   end function depth_of
 
   !> Their energy per area there.
@@ -282,10 +351,17 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: place
-    real(dp), intent(in) :: more                 !! by its stress at the start
+    real(dp), intent(in) :: more                 !! what a particle keeps of its half
     real(dp) :: way
-    way = max(0.5_dp*wall%spacing + more - mesh%h*inwards(wall)*(place - wall%place), 0.0_dp)
+    way = max(to_face(wall, more) - mesh%h*inwards(wall)*(place - wall%place), 0.0_dp)
   end function depth
+
+  !> From the centre of a particle to its face.
+  elemental real(dp) function to_face(wall, more) result(way)
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: more                 !! than half its spacing
+    way = 0.5_dp*wall%spacing + more
+  end function to_face
 
   !> The way from a wall into the grid along its axis.
   elemental real(dp) function inwards(wall) result(way)

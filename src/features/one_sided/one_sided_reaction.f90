@@ -18,17 +18,15 @@ contains
     type(body_t), intent(in) :: bodies(:)
     type(tally_t), intent(inout) :: tally
     real(dp) :: push(3)
-    integer :: b, c, l, w, entry, ways
+    integer :: b, c, l, w, entry
     do b = 1, size(bodies)
       do w = 1, size(bodies(b)%walls)
         associate (wall => bodies(b)%walls(w), own => bodies(b)%particles)
           entry = size(bodies)*sweep_sums + wall_entry(wall%side, wall%axis)
-          ways = merge(mesh%ndim, 0, wall%way > 0)
           do c = 1, own%chunks
             do l = 1, lanes
               if (own%id(l, c) == 0) cycle
-              push = one_sided_forces(mesh, wall, own%motion(l, wall%axis, c), own%state(l, 1, c), &
-                                      own%state(l, wall%way:wall%way + ways - 1, c))
+              push = one_sided_forces(mesh, wall, own%motion(l, wall%axis, c), own%state(l, :, c))
               call tally_add(tally, entry, push(:mesh%ndim))
             end do
           end do
