@@ -10,6 +10,7 @@ module sgmp_walls_apart
   use sgmp_fast_scenes, only: largest_speed_of
   use sgmp_features, only: features_friction, features_release
   use sgmp_floor_pressure, only: floor_pressure
+  use sgmp_kernels, only: method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: wall_fixed, wall_free, wall_slip
   use sgmp_scene, only: body_card_t, grid_card_t, scene_space, scene_t, scene_turns
@@ -19,6 +20,7 @@ module sgmp_walls_apart
   use sgmp_spelling, only: string_t
   use sgmp_text, only: real_text_tidy
   use sgmp_turn, only: turn_box
+  use sgmp_update, only: update_musl, update_usavg
   implicit none
   private
   public :: walls_apart_lines, walls_apart_settle
@@ -75,13 +77,17 @@ contains
   end subroutine settle_wall
 
   !> Whether what touches a wall stands on it or rubs on it: solids that bear tension, so that a
-  !! plane of symmetry would hold them where they leave.
+  !! plane of symmetry would hold them where they leave. The faces of particles follow their places
+  !! and their strains: where these come from velocities of different instants, as with other
+  !! methods and updates, what stays on springs gains or loses energy.
   pure function is_floor(scene, axis, side) result(yes)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: axis, side
     logical :: yes
     integer :: b
-    yes = scene%grid%wall(side, axis) == wall_slip .and. &
+    yes = scene%method%kind == method_sgmp .and. &
+          any(scene%method%update == [update_musl, update_usavg]) .and. &
+          scene%grid%wall(side, axis) == wall_slip .and. &
           (features_friction(scene%features, side, axis) > 0.0_dp .or. &
            scene%gravity(axis)*merge(-1.0_dp, 1.0_dp, side == 1) > 0.0_dp)
     do b = 1, size(scene%bodies)

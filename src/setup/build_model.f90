@@ -38,7 +38,7 @@ module sgmp_build_model
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
-  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare
+  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare, one_sided_seat
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill, particles_t
@@ -351,6 +351,7 @@ contains
       if (mesh%graded .and. any(card%layout == [layout_gauss, layout_graded])) then
         call set_stretch(mesh, body)
       end if
+      if (seeded) call one_sided_seat(scene%grid, card, mesh, body)
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)

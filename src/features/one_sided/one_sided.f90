@@ -36,7 +36,7 @@ module sgmp_one_sided
   implicit none
   private
   public :: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_forces, &
-            one_sided_levers, one_sided_load, one_sided_push, one_sided_reached, one_sided_strain
+            one_sided_gap, one_sided_levers, one_sided_load, one_sided_push, one_sided_reached, one_sided_strain
 
   !> Place of the stress between two axes among those that exert a force, where there are so many
   !! axes.
@@ -284,8 +284,9 @@ contains
     real(dp) :: way(3), length, most
     integer :: n
     n = wall%axis
-    if (stress(n) >= 0.0_dp .or. depth(mesh, wall, place, beside*wall%spacing) <= 0.0_dp) return
-    state(wall%half) = depth_of(wall, abs(stress(n)))
+    if (stress(n) >= 0.0_dp) return
+    if (depth(mesh, wall, place, state(wall%half) + beside*wall%spacing) <= 0.0_dp) return
+    state(wall%half) = state(wall%half) + depth_of(wall, abs(stress(n)))
     if (wall%way == 0) return
     way = inwards(wall)*stress/wall%grip
     way(n) = 0.0_dp
@@ -295,6 +296,15 @@ contains
     way(n) = state(wall%half)
     state(wall%way:wall%way + mesh%ndim - 1) = way(:mesh%ndim)
   end subroutine one_sided_load
+
+  !> From the face of a particle to a wall, negative behind it, if it lies half a spacing away from
+  !! the centre.
+  pure real(dp) function one_sided_gap(mesh, wall, place) result(gap)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    real(dp), intent(in) :: place                !! of the particle along the axis (cells)
+    gap = mesh%h*inwards(wall)*(place - wall%place) - to_face(wall, 0.0_dp)
+  end function one_sided_gap
 
   !> Forgets a particle's way and stretch.
   pure subroutine forget(mesh, wall, l, state)

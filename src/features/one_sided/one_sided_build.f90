@@ -2,17 +2,17 @@
 module sgmp_one_sided_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_wave_modulus
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, lanes
   use sgmp_material_history, only: slots_ask, slots_column
   use sgmp_mesh, only: mesh_t
-  use sgmp_one_sided, only: one_sided_load
+  use sgmp_one_sided, only: one_sided_gap, one_sided_load
   use sgmp_one_sided_columns, only: one_sided_components
   use sgmp_one_sided_wall, only: one_sided_wall_t
-  use sgmp_scene, only: grid_card_t, scene_presses, scene_t
+  use sgmp_scene, only: body_card_t, grid_card_t, layout_lattice, scene_presses, scene_t
   use sgmp_voigt, only: voigt_axes
   implicit none
   private
-  public :: one_sided_add_columns, one_sided_bear, one_sided_declare
+  public :: one_sided_add_columns, one_sided_bear, one_sided_declare, one_sided_seat
 
   !> Stiffness of a wall over rho c^2/h, c that of plane waves, along rough ones over G/h. Softer
   !! ones are entered too far, stiffer ones shake what they throw back (doc/loads.md).
@@ -23,6 +23,7 @@ module sgmp_one_sided_build
   !> The same up to what stands on a smooth floor, which may move little for it to stand there.
   real(dp), parameter :: hard = 8.0_dp
   real(dp), parameter :: deepest = 0.1_dp     !! where these end (cells)
+  real(dp), parameter :: near_one = 1.0e-6_dp !! rows are a spacing from each other to round-off
 
 contains
 
@@ -91,6 +92,31 @@ contains
       end associate
     end do
   end subroutine one_sided_add_columns
+
+  !> Lets the faces of particles begin at the walls that their body begins at, and those of others not
+  !! behind one: rows of particles need not be half a spacing away from it.
+  pure subroutine one_sided_seat(grid, card, mesh, body)
+    type(grid_card_t), intent(in) :: grid
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(body_t), intent(inout) :: body
+    real(dp) :: more, most
+    integer :: c, l, w
+    most = merge(1.0_dp, 0.75_dp, card%jitter <= 0.0_dp .and. card%layout == layout_lattice)
+    do w = 1, size(body%walls)
+      associate (wall => body%walls(w), particles => body%particles)
+        do c = 1, particles%chunks
+          do l = 1, lanes
+            if (particles%id(l, c) == 0) cycle
+            more = one_sided_gap(mesh, wall, particles%motion(l, wall%axis, c))
+            if (more > (most - 0.5_dp)*(1.0_dp - near_one)*wall%spacing) cycle
+            if (.not. grid%floor(wall%side, wall%axis)) more = min(more, 0.0_dp)
+            particles%state(l, wall%half, c) = more
+          end do
+        end do
+      end associate
+    end do
+  end subroutine one_sided_seat
 
   !> Lets the springs of a wall bear the stress with which a particle begins at it.
   pure subroutine one_sided_bear(mesh, wall, stress, place, state)
