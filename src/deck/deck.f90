@@ -27,7 +27,7 @@ module sgmp_deck
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
   use sgmp_tables, only: table_define
   use sgmp_units, only: units_check
-  use sgmp_walls_apart, only: walls_apart_settle
+  use sgmp_walls_apart, only: walls_apart_from_rubbing, walls_apart_settle
   implicit none
   private
   public :: deck_read
@@ -83,7 +83,7 @@ contains
     call read_cards(registry, cards, draft)
     call combinations_check(cards, draft%errors)
     call default_contact_settle(draft%scene)
-    call settle_method(cards, draft%scene)
+    call settle_method(cards, draft%errors%count() == 0, draft%scene)
     call fast_scene_settle(draft%scene)
     call particle_number_settle(draft%scene)
     call settle_halves(cards, draft%scene)
@@ -126,16 +126,14 @@ contains
 
   !> What the method leaves to the program: the best there is, where it goes with the rest of the
   !! deck (doc/surfaces.md, 1).
-  subroutine settle_method(cards, scene)
+  subroutine settle_method(cards, faultless, scene)
     type(deck_card_t), intent(in) :: cards(:)
+    logical, intent(in) :: faultless
     type(scene_t), intent(inout) :: scene
     associate (method => scene%method)
       if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
       if (method%rotation_auto) then
-        method%rotation = combinations_choose(cards, 'rotation')
-        if (scene_rolls(scene)) then
-          method%rotation = combinations_choose(cards, 'rotation', beside=combinations_rubbing)
-        end if
+        method%rotation = combinations_choose(cards, 'rotation', beside=rubbing(scene, faultless))
       end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
       if (method%drift_auto) then
@@ -148,6 +146,22 @@ contains
       end if
     end associate
   end subroutine settle_method
+
+  !> Friction beside which rotation is exact: without it a stiff block does not topple, for the grid
+  !! strains what turns. Not that of parts that are moved, which does not go with it, nor that of
+  !! walls which hold, unless something rolls.
+  function rubbing(scene, faultless) result(words)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: faultless
+    character(:), allocatable :: words
+    words = ''
+    if (scene_rolls(scene)) then
+      words = combinations_rubbing
+    else if (faultless) then
+      if (size(scene%motions) == 0) words = 'friction'
+      if (walls_apart_from_rubbing(scene)) words = words//' wallfriction'
+    end if
+  end function rubbing
 
   !> Which particles are split, where the deck leaves it open.
   subroutine settle_halves(cards, scene)

@@ -23,7 +23,10 @@ module sgmp_walls_apart
   use sgmp_update, only: update_musl, update_usavg
   implicit none
   private
-  public :: walls_apart_lines, walls_apart_settle
+  public :: walls_apart_from_rubbing, walls_apart_lines, walls_apart_settle
+
+  !> What becomes of a wall.
+  integer, parameter :: stays = 0, lets_go = 1, moves_out = 2
 
   real(dp), parameter :: touching = 0.02_dp    !! cells within which a body touches a wall
   real(dp), parameter :: apart = 0.25_dp       !! cells; half a particle and a cell are reached
@@ -31,50 +34,85 @@ module sgmp_walls_apart
 
 contains
 
-  !> Lets the walls go that all bodies are away from, or puts them farther out.
+  !> Lets walls go, or puts them farther out.
   subroutine walls_apart_settle(scene)
     type(scene_t), intent(inout) :: scene
     integer :: axis, side
-    if (.not. scene%grid%shifts .or. .not. slow_solids(scene)) return
+    logical :: slow
+    slow = slow_solids(scene)
     do axis = 1, scene%dimension
-      if (scene%grid%axes(axis)%graded) cycle
       do side = 1, 2
-        if (scene%axisymmetric .and. axis == 1 .and. side == 1) cycle
-        call settle_wall(scene, axis, side, least_gap(scene, axis, side))
+        select case (fate_of(scene, slow, axis, side))
+        case (lets_go)
+          call let_go(scene, axis, side)
+        case (moves_out)
+          call put_out(scene%grid, axis, side)
+        end select
       end do
     end do
   end subroutine walls_apart_settle
 
-  !> The same of one wall, if there is one: it lets go if it rests, and where things slide along it
-  !! if they do not turn about the axis.
-  subroutine settle_wall(scene, axis, side, gap)
-    type(scene_t), intent(inout) :: scene
+  !> Whether walls with friction will all let go, so that none of them holds what touches it.
+  function walls_apart_from_rubbing(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    integer :: axis, side
+    logical :: slow
+    slow = slow_solids(scene)
+    yes = .true.
+    do axis = 1, scene%dimension
+      do side = 1, 2
+        if (.not. features_friction(scene%features, side, axis) > 0.0_dp) cycle
+        yes = yes .and. fate_of(scene, slow, axis, side) == lets_go
+      end do
+    end do
+  end function walls_apart_from_rubbing
+
+  !> What becomes of a wall: it lets go if it rests, and where things slide along it if they do not
+  !! turn about the axis.
+  function fate_of(scene, slow, axis, side) result(fate)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: slow                  !! all that deform are slow solids
     integer, intent(in) :: axis, side
-    real(dp), intent(in) :: gap                  !! to the nearest body (cells)
-    real(dp) :: friction
-    logical :: rests, touched
-    friction = features_friction(scene%features, side, axis)
+    integer :: fate
+    real(dp) :: gap
+    logical :: rests, rough
+    fate = stays
     associate (grid => scene%grid)
+      if (.not. (slow .and. grid%shifts) .or. grid%axes(axis)%graded) return
+      if (scene%axisymmetric .and. axis == 1 .and. side == 1) return
       if (.not. any(grid%wall(side, axis) == [wall_slip, wall_fixed])) return
-      if (grid%wall(side, axis) == wall_fixed) friction = huge(1.0_dp)
       associate (velocity => grid%wall_velocity(:, side, axis))
         rests = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
       end associate
-      if (rests .and. .not. (scene_turns(scene) .and. friction > 0.0_dp)) then
-        touched = gap <= touching
-        if (touched .and. .not. is_floor(scene, axis, side)) return
-        grid%one_sided(side, axis) = .true.
-        grid%floor(side, axis) = touched
-        if (touched) grid%floor_bears(side, axis) = floor_pressure(scene, axis, side)
-        grid%rough(side, axis) = friction
-        grid%wall(side, axis) = wall_free
-        grid%open(side, axis) = .true.
-        call features_release(scene%features, side, axis)
+      rough = grid%wall(side, axis) == wall_fixed .or. &
+              features_friction(scene%features, side, axis) > 0.0_dp
+      gap = least_gap(scene, axis, side)
+      if (rests .and. .not. (scene_turns(scene) .and. rough)) then
+        if (gap > touching .or. is_floor(scene, axis, side)) fate = lets_go
       else if (gap > apart) then
-        call put_out(grid, axis, side)
+        fate = moves_out
       end if
     end associate
-  end subroutine settle_wall
+  end function fate_of
+
+  !> Lets a wall go: an open face, beyond which springs push.
+  subroutine let_go(scene, axis, side)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: axis, side
+    associate (grid => scene%grid)
+      grid%one_sided(side, axis) = .true.
+      grid%rough(side, axis) = features_friction(scene%features, side, axis)
+      if (grid%wall(side, axis) == wall_fixed) grid%rough(side, axis) = huge(1.0_dp)
+      grid%floor(side, axis) = least_gap(scene, axis, side) <= touching
+      if (grid%floor(side, axis)) then
+        grid%floor_bears(side, axis) = floor_pressure(scene, axis, side)
+      end if
+      grid%wall(side, axis) = wall_free
+      grid%open(side, axis) = .true.
+      call features_release(scene%features, side, axis)
+    end associate
+  end subroutine let_go
 
   !> Whether what touches a wall stands on it or rubs on it: solids that bear tension, so that a
   !! plane of symmetry would hold them where they leave. The faces of particles follow their places

@@ -115,4 +115,57 @@ output csv at=end fields=velocity,mass,body
         return [("angular momentum", (after - before)/scale, 0.05), ("momentum", math.hypot(*push)/scale, 0.01)]
 
 
-CLASSES = (Drag, Sit, Tumble)
+class Topple(Truth):
+    """A stiff block stands on a rough wall of the grid on any side and is pushed over: its angle by the moments about
+    the edge on which it turns. The particle there bears it at its middle, a quarter of a cell inside of the edge."""
+
+    def make(self):
+        luck = self.luck
+        self.cells = luck.choice((6, 8))
+        h, high, face, way = 1/self.cells, luck.choice((2.0, 3.0)), luck.choice(("x-", "x+", "y-", "y+")), \
+            luck.choice((1, -1))
+        mass, inertia, lift = high, high*(1 + high**2)/3, 0.5*(math.hypot(1, high) - high)
+        pulse = luck.uniform(0.2, 0.5)
+        push = (math.sqrt(2*luck.uniform(2, 5)*mass*lift*inertia) + 0.5*mass*pulse)/(0.25*high**2*pulse)
+        angle = rate = time = 0.0
+        start, step = math.atan2(high, 1), 1e-4
+        while angle < 0.6:
+            moment = 0.5*high**2*push*math.sin(math.pi*time/pulse)**2 if time < pulse else 0.0
+            moment -= mass*0.5*math.hypot(1, high)*math.cos(start + angle)
+            rate = max(rate + step*moment/inertia, 0.0) if angle <= 0 else rate + step*moment/inertia
+            angle += step*rate
+            time += step
+        self.truth, axis = angle, "xy".index(face[0])
+        up = 1 if face[1] == "-" else -1
+
+        def turned_to(x, y):
+            return f"({x},{up*y})" if axis else f"({up*y},{x})"
+        corners = [turned_to(0, 0), turned_to(1, high)] if up > 0 else [turned_to(0, high), turned_to(1, 0)]
+        grid = ("0:open", "open:0")[up < 0]
+        pushed = "yx"[axis] + ("-" if way > 0 else "+")
+        self.decks = [f"""dimension 2
+grid cell={h} {face[0]}={grid}
+wall {face}=slip
+wallfriction {face} friction=2
+METHOD
+time end={time} cfl=0.4
+gravity {turned_to(0, -1)}
+material m elastic density=1 young=3e4 poisson=0.2
+body m block material=m lower={corners[0]} upper={corners[1]} ppc=2
+pressure m face={pushed} p="{push}*sin(pi*t/{pulse})^2*(t<{pulse})"
+history steps=50
+output csv at=end fields=initial_position,mass
+"""]
+
+    def errors(self, results):
+        rows = results[0].rows
+        mean = {key: sum(row[key] for row in rows)/len(rows) for key in ("x", "y", "x0", "y0")}
+        sine = cosine = 0.0
+        for row in rows:
+            x, y, x0, y0 = (row[key] - mean[key] for key in ("x", "y", "x0", "y0"))
+            sine += x0*y - y0*x
+            cosine += x0*x + y0*y
+        return [("angle", abs(math.atan2(sine, cosine))/self.truth - 1, 0.12)]
+
+
+CLASSES = (Drag, Sit, Tumble, Topple)

@@ -79,7 +79,7 @@ HEAP = """
 parameter young = 0.3
 dimension 2
 grid cell=0.25 x=0:2 y=0:4
-wall x-=slip x+=slip y-=slip y+=slip
+wall x-=slip x+=slip y-=slip y+=slip shift=none
 method sgmp
 time end=40 cfl=0.3
 gravity (0,-1,0)
@@ -192,7 +192,7 @@ PULLED = """
 parameter pull = 0.2
 dimension 2
 grid cell=0.125 x=-1:3 y=0:1
-wall y-=slip
+wall y-=slip shift=none
 wallfriction y- friction=0.3
 time end=0.5 cfl=0.4
 method sgmp

@@ -25,7 +25,7 @@ parameter wall = 0
 parameter rotation = auto
 dimension 2
 grid cell=0.125 x=open:open y=0:open
-wall y-=slip
+wall y-=slip shift=none
 wallfriction y- friction=mu
 wallmotion y- x="wall+0*t"
 method $method update=$update rotation=$rotation
@@ -183,7 +183,7 @@ def pipe(report):
 parameter method = sgmp
 dimension axisymmetric
 grid cell=0.125 r=0:4
-wall r+=slip
+wall r+=slip shift=none
 wallfriction r+ friction=0.2
 method $method
 time end=1 cfl=0.4
@@ -214,7 +214,7 @@ parameter method = sgmp
 parameter n = 4
 dimension 2
 grid cell=1/n y=0:open
-wall y-=slip
+wall y-=slip shift=none
 wallfriction y- friction=0.2
 method $method
 time end=2 cfl=0.5
@@ -246,7 +246,7 @@ parameter method = sgmp
 parameter update = musl
 dimension 2
 grid cell=0.125 x=-1:4 y=0:open
-wall y-=slip reactions=yes
+wall y-=slip reactions=yes shift=none
 wallfriction y- friction=0.3
 method $method update=$update
 time end=2 cfl=0.4
