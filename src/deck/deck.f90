@@ -147,9 +147,8 @@ contains
     end associate
   end subroutine settle_method
 
-  !> Friction beside which rotation is exact: without it a stiff block does not topple, for the grid
-  !! strains what turns. Not that of parts that are moved, which does not go with it, nor that of
-  !! walls which hold, unless something rolls.
+  !> Friction beside which rotation is exact: that of walls that let go, where a stiff block would not
+  !! topple without it, for the grid strains what turns; any, where something rolls.
   function rubbing(scene, faultless) result(words)
     type(scene_t), intent(in) :: scene
     logical, intent(in) :: faultless
@@ -158,8 +157,7 @@ contains
     if (scene_rolls(scene)) then
       words = combinations_rubbing
     else if (faultless) then
-      if (size(scene%motions) == 0) words = 'friction'
-      if (walls_apart_from_rubbing(scene)) words = words//' wallfriction'
+      if (walls_apart_from_rubbing(scene)) words = 'wallfriction'
     end if
   end function rubbing
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Walls that nothing touches at the start (doc/loads.md, Bodies near walls): they let go what meets them, those that
-move are put a cell farther out; what touches one, flows or is fast has its wall where the deck says.
+"""Walls that nothing touches at the start, and floors (doc/loads.md, Bodies near walls): they let go what meets them,
+those that move are put a cell farther out; what touches another, flows or is fast has its wall where the deck says.
 
 usage: walls_apart.py SGMP SOURCE_DIR SCRATCH_DIR
 """
@@ -122,7 +122,52 @@ body m block material=m lower=(0,0.2) upper=(1,1.2) ppc=2
 history steps=50
 output csv at=end fields=stress,initial_position
 """
+# A block stands on a rough floor and is pushed over; one that vibrates on a smooth one; ground that begins with its
+# weight. The floor may be on any side, and rows of particles may begin anywhere from it.
+TIPS = """
+parameter n = 10
+dimension {space}
+grid cell=1/n {grid}
+wall {walls}
+wallfriction {face} friction=1
+method sgmp
+time end=2.2 cfl=0.4
+{acts}
+material m elastic density=1 young=2e4 poisson=0.2
+body m block material=m {block} ppc=2
+history steps=50
+output csv at=end fields=initial_position
+"""
+STANDS = """
+parameter update = musl
+parameter n = 8
+parameter g = 1e-4
+dimension 2
+grid cell=1/n {grid}
+wall {walls}
+method sgmp update=$update
+time end={end} cfl=0.4
+gravity {gravity}
+material m elastic density=1 young=1 poisson=0
+body m block material=m lower=(0,0) upper=(4/n,1) ppc=2
+history steps=20
+output csv at=end fields=displacement,initial_position
+"""
+REST = """
+dimension 2
+grid cell=1/8 x=open:open y=0:open
+wall y-=slip
+wallfriction y- friction=0.5
+method sgmp
+time end=2 cfl=0.5
+material m elastic density=1 young=500 poisson=0.3
+body m block material=m lower=(0,0) upper=(1,1) ppc=2
+gravity (0,-1)
+initial_stress m surface=1 k0=0
+history every=0.02
+"""
 WATER = "material w fluid density=1\neos w gruneisen c0=1 s=2 gamma0=0.1"
+SOIL = "material s drucker_prager density=1 young=1 poisson=0.3 friction=30 cohesion=0\n"
 report = Report()
 
 
@@ -259,11 +304,80 @@ def loaded():
         report.check(abs(borne/1e-3 - 1) < 0.02, f"loaded: stress {borne}, pressure 0.001")
 
 
+def tipped(push, pulse, end):
+    """Angle of a rigid block of 1 by 2 that is pushed at the middle of its side and turns about an edge."""
+    angle = rate = time = 0.0
+    while time < end:
+        moment = 2*push*math.sin(math.pi*time/pulse)**2 if time < pulse else 0.0
+        moment -= math.sqrt(5)*math.cos(math.atan(2) + angle)
+        rate = max(rate + 1e-4*moment/(10/3), 0.0) if angle <= 0 else rate + 1e-4*moment/(10/3)
+        angle += 1e-4*rate
+        time += 1e-4
+    return angle
+
+
+def tips():
+    """A block that stands on a rough floor topples as a rigid one; held by a plane of symmetry it would not. The
+    particle at its edge bears it at its middle, a quarter of a cell inside: a block of n cells has 1/(2 n) less that
+    rights it."""
+    exact = tipped(6, 0.4, 2.2)
+    push, lies = 'pressure m face={} p="6*sin(pi*t/0.4)^2*(t<0.4)"\n', "gravity {}"
+    for name, space, grid, face, corners, gravity, pushed, more in (
+        ("below", 2, "y=0:open", "y-", "lower=(0,0) upper=(1,2)", "(0,-1)", "x-", ""),
+        ("above", 2, "y=open:0.03", "y+", "lower=(0,-1.97) upper=(1,0.03)", "(0,1)", "x+", ""),
+        ("beside", 2, "x=0:open", "x-", "lower=(0,0) upper=(2,1)", "(-1,0)", "y+", ""),
+        ("space", 3, "y=0:0.4 z=0:open", "z-", "lower=(0,0,0) upper=(1,0.4,2)", "(0,0,-1)", "x-", " y-=slip y+=slip"),
+    ):
+        deck = TIPS.format(space=space, grid=grid, face=face, walls=f"{face}=slip{more}", block=corners,
+                           acts=push.format(pushed) + lies.format(gravity))
+        result = run(f"tips_{name}", deck)
+        if not report.finished(result, f"tips_{name}"):
+            continue
+        rows, axes = result.table("particles_end.csv"), "xz" if space == 3 else "xy"
+        mean = {key: sum(row[key] for row in rows)/len(rows) for key in (*axes, *(f"{axis}0" for axis in axes))}
+        sine = cosine = 0.0
+        for row in rows:
+            a, b, a0, b0 = (row[key] - mean[key] for key in (*axes, *(f"{axis}0" for axis in axes)))
+            sine, cosine = sine + a0*b - b0*a, cosine + a0*a + b0*b
+        angle = abs(math.atan2(sine, cosine))
+        report.check(0.95 < angle/exact < 1.13, f"tips_{name}: by {angle}, a rigid block by {exact}")
+        report.check(result["verdict"] == "sound", f"tips_{name}: {result['verdict']}")
+        report.check(abs(result["energy"]["drift"]) < 0.01, f"tips_{name}: drift {result['energy']['drift']}")
+        report.check(result["walls_let_go"] == 1, f"tips_{name}: {result['walls_let_go']} walls let go")
+
+
+def stands():
+    """A bar on which gravity begins to act at once, on a smooth floor: its top is twice as deep as at rest after half a
+    period, wherever the rows of particles begin; it keeps its energy for thirty periods."""
+    for name, grid, walls, gravity in (
+        ("below", "x=0:4/n y=0:open", "x-=slip x+=slip y-=slip", "(0,-g)"),
+        ("above", "x=0:4/n y=open:1", "x-=slip x+=slip y+=slip", "(0,g)"),
+    ):
+        for n in (8, 7.3, 7.7):
+            result = run(f"stands_{name}_{n}", STANDS.format(grid=grid, walls=walls, gravity=gravity, end=2), n=n)
+            if report.finished(result, f"stands_{name}_{n}"):
+                rows = [(row["y0"] if name == "below" else 1 - row["y0"], abs(row["displacement_y"]))
+                        for row in result.table("particles_end.csv")]
+                top = max(rows)
+                report.check(abs(top[1]/1e-4/(1 - (1 - top[0])**2) - 1) < 0.1, f"stands_{name}_{n}: {top}")
+    for update in ("musl", "usavg"):
+        deck = STANDS.format(grid="x=0:4/n y=0:open", walls="x-=slip x+=slip y-=slip", gravity="(0,-g)", end=120)
+        result = run(f"stays_{update}", deck, g=0.01, update=update)
+        if report.finished(result, update):
+            report.check(result["walls_let_go"] == 1, f"stays_{update}: {result['walls_let_go']} walls let go")
+            report.check(abs(result["energy"]["drift"]) < 0.02, f"stays_{update}: drift {result['energy']['drift']}")
+    result = run("ground", REST)
+    if report.finished(result, "ground"):
+        fastest = max(row["kinetic_energy"] for row in result.table("history.csv"))
+        report.check(result["walls_let_go"] == 1 and math.sqrt(2*fastest) < 2e-3, f"ground: moves {fastest}")
+
+
 def left_alone():
     """Walls that something touches, liquids, what is fast, other words: as with shift=none. A wall that moves is put
     outwards in the place of letting go."""
     seat = "body b block material=m lower=(2,0) upper=(10,4) ppc=2"
     goes, moves = "wall y- lets go", "wall y- is a cell outside of 0"
+    stands_on = "wall y- is a floor and lets go"
     moving = "wallmotion y- x=min(t/100,1)*0.01"
     for name, more, matter, speed, kind, words in (
         ("flies", "", "m", -0.03, "slip", goes), ("touched", seat, "m", -0.03, "slip", None),
@@ -274,19 +388,24 @@ def left_alone():
         ("cut", "body b sphere material=m centre=(6,1.8) radius=2 ppc=3\nintersect b halfspace axis=(0,-1)", "m", -0.03,
          "slip", None),
         ("fixed", "", "m", -0.03, "fixed", goes), ("rubs", "wallfriction y- friction=0.2", "m", -0.03, "slip", goes),
+        ("floor", seat + "\ngravity (0,-1e-4)", "m", -0.03, "slip", stands_on),
+        ("ceiling", seat + "\ngravity (0,1e-4)", "m", -0.03, "slip", None),
+        ("rough", seat + "\nwallfriction y- friction=0.2", "m", -0.03, "slip", stands_on),
+        ("soil", SOIL + seat.replace("=m", "=s") + "\ngravity (0,-1e-4)", "m", -0.03, "slip", None),
         ("fixed_close", seat, "m", -0.03, "fixed", None), ("moves", moving, "m", -0.03, "fixed", moves),
         ("moves_close", moving + "\n" + seat.replace("(2,0)", "(2,0.2)"), "m", -0.03, "fixed", None),
     ):
         deck = FLOOR.format(more=more, matter=matter, speed=speed, kind=kind)
         text = run(f"check_{name}", deck, options=("--check",)).text
-        report.check((goes in text, moves in text) == (words == goes, words == moves), f"{name}: {text}")
+        for sentence in (goes, stands_on, moves):
+            report.check((sentence in text) == (words == sentence), f"{name}: {text}")
         result = run(name, deck)
         plain = run(f"{name}_plain", deck.replace(f"y-={kind}", f"y-={kind} shift=none"))
         if report.finished(result, name) and report.finished(plain, name):
             same = plain["checksum"] == result["checksum"]
             report.check(same != bool(words), f"{name}: as a plane of symmetry or not")
             told = result["walls_let_go"], result["walls_shifted"], plain["walls_let_go"], plain["walls_shifted"]
-            report.check(told == (words == goes, words == moves, 0, 0), f"{name}: summary.json says {told}")
+            report.check(told == (words in (goes, stands_on), words == moves, 0, 0), f"{name}: summary.json says {told}")
 
 
 def told():
@@ -309,5 +428,7 @@ told()
 rubs()
 loaded()
 reactions()
+tips()
+stands()
 left_alone()
 report.end()
