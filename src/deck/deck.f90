@@ -133,7 +133,8 @@ contains
     associate (method => scene%method)
       if (method%surfaces_auto) method%surfaces = combinations_choose(cards, 'surfaces')
       if (method%rotation_auto) then
-        method%rotation = combinations_choose(cards, 'rotation', beside=rubbing(scene, faultless))
+        method%rotation = combinations_choose(cards, 'rotation', &
+                                              beside=rubbing(scene, faultless))
       end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
       if (method%drift_auto) then

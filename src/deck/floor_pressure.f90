@@ -56,7 +56,6 @@ contains
     integer, intent(in) :: axis
     real(dp) :: pressure
     real(dp) :: box(3, 0:1), sides(3)
-    pressure = 0.0_dp
     select case (load%kind)
     case (load_pressure)
       pressure = most_of(scene, load%value(:1))
@@ -68,6 +67,8 @@ contains
       sides(axis) = 1.0_dp
       sides(scene%dimension + 1:) = 1.0_dp
       pressure = most_of(scene, load%value)/product(sides)
+    case default  ! load_blast
+      pressure = 0.0_dp
     end select
   end function pressure_of
 

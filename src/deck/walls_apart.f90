@@ -47,6 +47,8 @@ contains
           call let_go(scene, axis, side)
         case (moves_out)
           call put_out(scene%grid, axis, side)
+        case default  ! it stays
+          cycle
         end select
       end do
     end do
@@ -78,23 +80,32 @@ contains
     real(dp) :: gap
     logical :: rests, rough
     fate = stays
+    if (.not. (slow .and. may_go(scene, axis, side))) return
     associate (grid => scene%grid)
-      if (.not. (slow .and. grid%shifts) .or. grid%axes(axis)%graded) return
-      if (scene%axisymmetric .and. axis == 1 .and. side == 1) return
-      if (.not. any(grid%wall(side, axis) == [wall_slip, wall_fixed])) return
       associate (velocity => grid%wall_velocity(:, side, axis))
         rests = all(velocity%is_constant .and. abs(velocity%value) <= 0.0_dp)
       end associate
       rough = grid%wall(side, axis) == wall_fixed .or. &
               features_friction(scene%features, side, axis) > 0.0_dp
-      gap = least_gap(scene, axis, side)
-      if (rests .and. .not. (scene_turns(scene) .and. rough)) then
-        if (gap > touching .or. is_floor(scene, axis, side)) fate = lets_go
-      else if (gap > apart) then
-        fate = moves_out
-      end if
     end associate
+    gap = least_gap(scene, axis, side)
+    if (rests .and. .not. (scene_turns(scene) .and. rough)) then
+      if (gap > touching .or. is_floor(scene, axis, side)) fate = lets_go
+    else if (gap > apart) then
+      fate = moves_out
+    end if
   end function fate_of
+
+  !> Whether there is a wall that may go, where cells are equal; the axis of rings is none.
+  pure logical function may_go(scene, axis, side) result(yes)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis, side
+    associate (grid => scene%grid)
+      yes = grid%shifts .and. .not. grid%axes(axis)%graded .and. &
+            any(grid%wall(side, axis) == [wall_slip, wall_fixed]) .and. &
+            .not. (scene%axisymmetric .and. axis == 1 .and. side == 1)
+    end associate
+  end function may_go
 
   !> Lets a wall go: an open face, beyond which springs push.
   subroutine let_go(scene, axis, side)
@@ -231,8 +242,8 @@ contains
         if (scene%grid%one_sided(side, axis)) then
           n = n + 1
           if (scene%grid%floor(side, axis)) then
-            lines(n)%text = wall//' is a floor and lets go: it has friction, or gravity pulls to '// &
-                            'it (doc/loads.md)'
+            lines(n)%text = wall//' is a floor and lets go: it has friction, or gravity pulls '// &
+                            'to it (doc/loads.md)'
           else
             lines(n)%text = wall//' lets go: nothing touches it at the start (doc/loads.md)'
           end if

@@ -369,7 +369,7 @@ def stands():
     result = run("ground", REST)
     if report.finished(result, "ground"):
         fastest = max(row["kinetic_energy"] for row in result.table("history.csv"))
-        report.check(result["walls_let_go"] == 1 and math.sqrt(2*fastest) < 2e-3, f"ground: moves {fastest}")
+        report.check(result["walls_let_go"] == 1 and math.sqrt(2*fastest) < 5e-3, f"ground: moves {fastest}")
 
 
 def left_alone():
@@ -405,7 +405,8 @@ def left_alone():
             same = plain["checksum"] == result["checksum"]
             report.check(same != bool(words), f"{name}: as a plane of symmetry or not")
             told = result["walls_let_go"], result["walls_shifted"], plain["walls_let_go"], plain["walls_shifted"]
-            report.check(told == (words in (goes, stands_on), words == moves, 0, 0), f"{name}: summary.json says {told}")
+            right = words in (goes, stands_on), words == moves, 0, 0
+            report.check(told == right, f"{name}: summary.json says {told}")
 
 
 def told():
