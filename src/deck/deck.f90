@@ -148,8 +148,8 @@ contains
     end associate
   end subroutine settle_method
 
-  !> Friction beside which rotation is exact: that of walls that let go, where a stiff block would not
-  !! topple without it, for the grid strains what turns; any, where something rolls.
+  !> Friction beside which rotation is exact: that of walls that let go, where a stiff block would
+  !! not topple without it, for the grid strains what turns; any, where something rolls.
   function rubbing(scene, faultless) result(words)
     type(scene_t), intent(in) :: scene
     logical, intent(in) :: faultless

@@ -17,7 +17,7 @@
 !! with them (sgmp_loads). And the face moves as it must for that to be the transpose: with the
 !! strain e of its particle, and with those at the centres,
 !!     dx_f = dx -+ w e - A (e_above - e_below),                                             (OS4)
-!! - at a lower wall, + at an upper one. d and u follow the face, so that springs give back what they
+!! - at a lower wall, + at an upper one. d and u follow the face, so springs give back what they
 !! take. (Where d followed the centre alone, a body that stood on a floor lost a quarter of its
 !! energy in thirty vibrations.) What a particle keeps for that, w - s/2 and u, it forgets a cell
 !! away from the wall.
@@ -36,7 +36,8 @@ module sgmp_one_sided
   implicit none
   private
   public :: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_forces, &
-            one_sided_gap, one_sided_levers, one_sided_load, one_sided_push, one_sided_reached, one_sided_strain
+            one_sided_gap, one_sided_levers, one_sided_load, one_sided_push, &
+            one_sided_reached, one_sided_strain
 
   !> Place of the stress between two axes among those that exert a force, where there are so many
   !! axes.
@@ -173,8 +174,8 @@ contains
     end do
   end subroutine one_sided_strain
 
-  !> Moves the face of a particle with its centre, or, where it then is where the next force acts, from
-  !! it, and books the energy that springs give.
+  !> Moves the face of a particle with its centre, or, to where the next force acts, from it, and
+  !! books the energy that springs give.
   pure subroutine move_face(mesh, wall, l, place, gone, settles, state, sums)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
@@ -331,10 +332,10 @@ contains
   end function near
 
   !> What the springs of a wall press with at a depth (OS1).
-  elemental real(dp) function pressure(wall, depth)
+  elemental real(dp) function pressure(wall, depth) result(push)
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: depth
-    pressure = wall%stiffness*depth + (wall%hard - wall%stiffness)*min(depth, wall%bed)
+    push = wall%stiffness*depth + (wall%hard - wall%stiffness)*min(depth, wall%bed)
   end function pressure
 
   !> The depth at which they press so.
@@ -347,11 +348,11 @@ contains
   end function depth_of
 
   !> Their energy per area there.
-  elemental real(dp) function energy(wall, depth)
+  elemental real(dp) function energy(wall, depth) result(stored)
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: depth
     associate (first => min(depth, wall%bed))
-      energy = 0.5_dp*wall%stiffness*depth**2 + &
+      stored = 0.5_dp*wall%stiffness*depth**2 + &
                (wall%hard - wall%stiffness)*first*(depth - 0.5_dp*first)
     end associate
   end function energy

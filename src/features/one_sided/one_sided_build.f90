@@ -23,7 +23,7 @@ module sgmp_one_sided_build
   !> The same up to what stands on a smooth floor, which may move little for it to stand there.
   real(dp), parameter :: hard = 8.0_dp
   real(dp), parameter :: deepest = 0.1_dp     !! where these end (cells)
-  real(dp), parameter :: near_one = 1.0e-6_dp !! rows are a spacing from each other to round-off
+  real(dp), parameter :: near_one = 1.0e-6_dp  !! rows are a spacing from each other to round-off
 
 contains
 
@@ -93,8 +93,8 @@ contains
     end do
   end subroutine one_sided_add_columns
 
-  !> Lets the faces of particles begin at the walls that their body begins at, and those of others not
-  !! behind one: rows of particles need not be half a spacing away from it.
+  !> Lets the faces of particles begin at the walls that their body begins at, and those of others
+  !! not behind one: rows of particles need not be half a spacing away from it.
   pure subroutine one_sided_seat(grid, card, mesh, body)
     type(grid_card_t), intent(in) :: grid
     type(body_card_t), intent(in) :: card
