@@ -76,9 +76,10 @@ contains
     call registry%key('reactions', kind_logical, 'yes: what each slip or fixed wall does to '// &
                       'the bodies, its impulse since the start, is in history.csv', default='no', &
                       source='doc/loads.md')
-    call registry%key('shift', kind_word, 'auto: walls that nothing touches at the start let '// &
-                      'go what meets them, those that move are a cell farther out, for slow '// &
-                      'solids rest a cell before them; none: all are planes of symmetry', &
+    call registry%key('shift', kind_word, 'auto: walls that nothing touches at the start, and '// &
+                      'floors, let go what meets them, those that move are a cell farther out, '// &
+                      'for slow solids rest a cell before them; none: all are planes of '// &
+                      'symmetry', &
                       choices='auto none', default='auto', source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
                       'bear what goes on pushing there, by springs beside the dashpots; '// &

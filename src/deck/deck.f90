@@ -2,7 +2,7 @@
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
   use sgmp_combinations, only: combinations_check, combinations_choose, combinations_parts, &
-                               combinations_rubbing
+                               combinations_rubbing, combinations_walls
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -158,7 +158,7 @@ contains
     if (scene_rolls(scene)) then
       words = combinations_rubbing
     else if (faultless) then
-      if (walls_apart_from_rubbing(scene)) words = 'wallfriction'
+      if (walls_apart_from_rubbing(scene)) words = combinations_walls
     end if
   end function rubbing
 

@@ -20,6 +20,7 @@ module sgmp_verdict
   use sgmp_judge_spall, only: judge_spall
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
+  use sgmp_judge_toppling, only: judge_toppling
   use sgmp_judge_waves, only: judge_waves
   use sgmp_kernels, only: kernel_mpm
   use sgmp_kinds, only: dp
@@ -110,6 +111,7 @@ contains
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)
+    call judge_toppling(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)
     call judge_mines(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)

@@ -341,7 +341,7 @@ def tips():
             sine, cosine = sine + a0*b - b0*a, cosine + a0*a + b0*b
         angle = abs(math.atan2(sine, cosine))
         report.check(0.95 < angle/exact < 1.13, f"tips_{name}: by {angle}, a rigid block by {exact}")
-        report.check(result["verdict"] == "sound", f"tips_{name}: {result['verdict']}")
+        report.check(result["verdict"] == "coarse" and "turns over" in result.text, f"tips_{name}: {result.text}")
         report.check(abs(result["energy"]["drift"]) < 0.01, f"tips_{name}: drift {result['energy']['drift']}")
         report.check(result["walls_let_go"] == 1, f"tips_{name}: {result['walls_let_go']} walls let go")
 
