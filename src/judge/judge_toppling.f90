@@ -37,7 +37,8 @@ contains
     type(model_t), intent(in) :: model
     integer :: b
     if (model%mesh%ndim == 1 .or. model%mesh%space == space_axisymmetric) return
-    if (scene%method%kind /= method_sgmp .or. all(abs(scene%gravity) <= 0.0_dp)) return
+    if (scene%method%kind /= method_sgmp) return
+    if (all(abs(scene%gravity) <= 0.0_dp) .and. size(scene%bodyforces) == 0) return
     if (.not. (any(scene%grid%floor) .or. rubbed(scene, model))) return
     do b = 1, size(scene%bodies)
       if (.not. stands(scene, model, b)) cycle

@@ -19,8 +19,8 @@
 !!     dx_f = dx -+ w e - A (e_above - e_below),                                             (OS4)
 !! - at a lower wall, + at an upper one. d and u follow the face, so springs give back what they
 !! take. (Where d followed the centre alone, a body that stood on a floor lost a quarter of its
-!! energy in thirty vibrations.) What a particle keeps for that, w - s/2 and u, it forgets a cell
-!! away from the wall.
+!! energy in thirty vibrations.) What a particle keeps for that, w - s/2 and u, begins anew where
+!! it comes within a cell of the wall.
 !!
 !! Velocities lie half a step before the places that go with them. So the energy of a spring that
 !! adds up with theirs is K d d' V/(2 s), d and d' the depths before and after a step, and not
