@@ -1344,7 +1344,8 @@ def layouts(report):
     """The same findings for any number of ranks and threads."""
     for name, deck in (
         ("stretch", changed(STRETCH, ("y=0:1", "y=0:4"), ("(1,1)", "(1,4)"))),
-        ("gas_half", GAS.replace("y=0:12", "y=0:24")), ("turning", TURNING), ("within", WITHIN),
+        ("gas_half", GAS.replace("y=0:12", "y=0:24").replace("t_end = 0.1", "t_end = 0.02")),
+        ("turning", TURNING), ("within", WITHIN),
     ):
         expected = run(name + "_1", deck)
         for ranks, threads in ((3, 2),):  # on fewer planes all would be of one rank

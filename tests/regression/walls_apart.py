@@ -29,8 +29,8 @@ SPACES = {
     1: ("x=0:3", "x-=slip x+=fixed", "lower=d>0?gap:3-gap-1 upper=d>0?gap+1:3-gap", "x"),
     2: ("x=0:3 y=0:3/n", "x-=slip x+=fixed y-=slip y+=slip",
         "lower=(d>0?gap:3-gap-1,0) upper=(d>0?gap+1:3-gap,3/n)", "x"),
-    3: ("x=0:2/n y=0:2/n z=0:3", "x-=slip x+=slip y-=slip y+=slip z-=slip z+=slip",
-        "lower=(0,0,d>0?gap:3-gap-1) upper=(2/n,2/n,d>0?gap+1:3-gap)", "z"),
+    3: ("x=0:1/n y=0:1/n z=0:3", "x-=slip x+=slip y-=slip y+=slip z-=slip z+=slip",
+        "lower=(0,0,d>0?gap:3-gap-1) upper=(1/n,1/n,d>0?gap+1:3-gap)", "z"),
     "axisymmetric": ("r=0:3/n z=0:3", "r+=slip z-=slip z+=slip",
                      "lower=(0,d>0?gap:3-gap-1) upper=(3/n,d>0?gap+1:3-gap)", "z"),
 }
@@ -88,11 +88,11 @@ dimension 2
 grid cell=cell y=0:open
 wall y-=slip
 method sgmp
-time end=300 cfl=0.4
+time end=150 cfl=0.4
 damping rate=0.05
 material m elastic density=1 young=1 poisson=0
 body m block material=m lower=(0,0.05) upper=(1,2.05) ppc=2
-motion m where="y>1.85" x=0 y="-0.25/200*(t<200)"
+motion m where="y>1.85" x=0 y="-0.25/100*(t<100)"
 history steps=50
 output csv at=end fields=stress
 """
@@ -133,7 +133,7 @@ wallfriction {face} friction=1
 method sgmp
 time end=2.2 cfl=0.4
 {acts}
-material m elastic density=1 young=2e4 poisson=0.2
+material m elastic density=1 young={young} poisson=0.2
 body m block material=m {block} ppc=2
 history steps=50
 output csv at=end fields=initial_position
@@ -322,13 +322,14 @@ def tips():
     rights it."""
     exact = tipped(6, 0.4, 2.2)
     push, lies = 'pressure m face={} p="6*sin(pi*t/0.4)^2*(t<0.4)"\n', "gravity {}"
-    for name, space, grid, face, corners, gravity, pushed, more in (
+    for name, space, grid, face, corners, gravity, pushed, more in (  # the last is softer: half the steps
         ("below", 2, "y=0:open", "y-", "lower=(0,0) upper=(1,2)", "(0,-1)", "x-", ""),
         ("above", 2, "y=open:0.03", "y+", "lower=(0,-1.97) upper=(1,0.03)", "(0,1)", "x+", ""),
         ("beside", 2, "x=0:open", "x-", "lower=(0,0) upper=(2,1)", "(-1,0)", "y+", ""),
-        ("space", 3, "y=0:0.4 z=0:open", "z-", "lower=(0,0,0) upper=(1,0.4,2)", "(0,0,-1)", "x-", " y-=slip y+=slip"),
+        ("space", 3, "y=0:0.1 z=0:open", "z-", "lower=(0,0,0) upper=(1,0.1,2)", "(0,0,-1)", "x-", " y-=slip y+=slip"),
     ):
-        deck = TIPS.format(space=space, grid=grid, face=face, walls=f"{face}=slip{more}", block=corners,
+        young, most = ("5e3", 1.25) if space == 3 else ("2e4", 1.13)
+        deck = TIPS.format(space=space, young=young, grid=grid, face=face, walls=f"{face}=slip{more}", block=corners,
                            acts=push.format(pushed) + lies.format(gravity))
         result = run(f"tips_{name}", deck)
         if not report.finished(result, f"tips_{name}"):
@@ -340,7 +341,7 @@ def tips():
             a, b, a0, b0 = (row[key] - mean[key] for key in (*axes, *(f"{axis}0" for axis in axes)))
             sine, cosine = sine + a0*b - b0*a, cosine + a0*a + b0*b
         angle = abs(math.atan2(sine, cosine))
-        report.check(0.95 < angle/exact < 1.13, f"tips_{name}: by {angle}, a rigid block by {exact}")
+        report.check(0.95 < angle/exact < most, f"tips_{name}: by {angle}, a rigid block by {exact}")
         report.check(result["verdict"] == "coarse" and "turns over" in result.text, f"tips_{name}: {result.text}")
         report.check(abs(result["energy"]["drift"]) < 0.01, f"tips_{name}: drift {result['energy']['drift']}")
         report.check(result["walls_let_go"] == 1, f"tips_{name}: {result['walls_let_go']} walls let go")

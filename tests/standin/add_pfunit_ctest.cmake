@@ -16,6 +16,7 @@ add_library(funit STATIC
 set_target_properties(funit PROPERTIES Fortran_MODULE_DIRECTORY "${funit_build_dir}/modules")
 target_include_directories(funit PUBLIC "${funit_build_dir}/modules")
 target_compile_options(funit PRIVATE $<$<Fortran_COMPILER_ID:GNU>:-Wno-compare-reals>) # exact comparison is its trade
+target_compile_options(funit PRIVATE $<$<AND:$<Fortran_COMPILER_ID:GNU>,$<CONFIG:Release>>:-O0>) # twelve seconds less
 target_link_libraries(funit PUBLIC MPI::MPI_Fortran)
 
 function(add_pfunit_ctest name)
