@@ -6,6 +6,7 @@ module sgmp_cards_motion
   use sgmp_keys, only: kind_expression, kind_name_word, kind_real, kind_vector
   use sgmp_kinds, only: dp
   use sgmp_registry, only: registry_t
+  use sgmp_rolling, only: scene_rubbed
   use sgmp_scene, only: motion_card_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_space, only: axis_names, omega_names, space_axisymmetric
@@ -139,7 +140,7 @@ contains
   subroutine check_motion(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
-    integer :: b, c
+    integer :: b
     b = draft%body_of(card, 'body')
     if (b <= 0) return
     associate (scene => draft%scene, errors => draft%errors)
@@ -147,18 +148,13 @@ contains
         call errors%add(card%place('body'), "body '"//card%word('body')//"' is rigid: it moves "// &
                         'as a whole', 'its motion is that of its card rigid')
       end if
-      do c = 1, merge(size(scene%contacts), 0, &
-                      scene%method%rotation .and. .not. scene%swirl)
-        associate (bodies => scene%contacts(c)%body)
-          if (all(bodies /= b .and. bodies /= scene%bodies(b)%leader .and. bodies /= 0)) cycle
-        end associate
-        if (.not. scene%contacts(c)%friction > 0.0_dp) cycle
+      if (.not. scene%method%rotation .or. scene%swirl) return
+      if (scene_rubbed(scene, b) > 0) then
         call errors%add(card%place('body'), "body '"//card%word('body')//"' is rubbed by "// &
                         'others, and so cannot be moved in part with rotation=exact: friction '// &
                         'then acts at the surface and not at nodes', &
                         'remove friction from the card contact, or write rotation=plain')
-        exit
-      end do
+      end if
     end associate
   end subroutine check_motion
 

@@ -1,35 +1,57 @@
-!> Scenes in which something round rolls or bounces: friction then wants exact rotation, which puts
-!! it at the surface (doc/rotation.md, Rolling).
+!> Scenes in which something rolls, topples or bounces on what it rubs: friction then wants exact
+!! rotation, which puts it at the surface (doc/rotation.md, Rolling).
 module sgmp_rolling
-  use sgmp_constitutive, only: law_is_springy
+  use sgmp_constitutive, only: law_bends, law_is_springy
   use sgmp_kinds, only: dp
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_cylinder, shape_ring, shape_sphere
   implicit none
   private
-  public :: scene_rolls
+  public :: scene_rolls, scene_rubbed
 
 contains
 
-  !> Whether there is a deformable ball, disk or ring, in plane or space, that gravity presses onto
-  !! something, or that is elastic: what friction gives it of rotation is half of what it does.
+  !> Whether there is, in plane or space, a deformable solid that gravity or a body force presses
+  !! onto something, or an elastic ball, disk or ring. Else friction gives a round one half of the
+  !! rotation that it should, and a stiff block that is pushed over stays upright.
   pure function scene_rolls(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
-    integer :: b
+    integer :: b, m
+    logical :: pressed
     yes = .false.
     if (scene%axisymmetric .or. scene%dimension == 1) return
-    if (size(scene%motions) > 0) return  ! parts that are moved and rubbed at their surface: refused
+    do m = 1, size(scene%motions)
+      if (scene_rubbed(scene, scene%motions(m)%body) > 0) return  ! refused
+    end do
+    pressed = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b))
         if (body%rigid .or. .not. allocated(body%shapes) .or. body%material == 0) cycle
-        if (.not. any(abs(scene%gravity) > 0.0_dp) .and. &
-            .not. law_is_springy(scene%materials(body%material)%law)) cycle
-        yes = all(is_round(body%shapes%kind, scene%dimension))
+        associate (law => scene%materials(body%material)%law)
+          yes = (pressed .and. law_bends(law)) .or. &
+                (law_is_springy(law) .and. all(is_round(body%shapes%kind, scene%dimension)))
+        end associate
       end associate
       if (yes) return
     end do
   end function scene_rolls
+
+  !> Number of the card contact by which a body is rubbed by others; 0: none.
+  pure function scene_rubbed(scene, b) result(card)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b                       !! body
+    integer :: card
+    if (b > 0) then
+      do card = 1, size(scene%contacts)
+        associate (bodies => scene%contacts(card)%body)
+          if (all(bodies /= b .and. bodies /= scene%bodies(b)%leader .and. bodies /= 0)) cycle
+        end associate
+        if (scene%contacts(card)%friction > 0.0_dp) return
+      end do
+    end if
+    card = 0
+  end function scene_rubbed
 
   !> Whether a shape rolls.
   elemental logical function is_round(kind, dimension) result(yes)
