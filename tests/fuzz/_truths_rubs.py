@@ -150,7 +150,8 @@ class Topple(Truth):
         bounds = f" {face[0]}={grid}"
         if self.kind != "wall":
             deep = 0.5 if self.kind == "plate" else 1.0
-            ends = (turned_to(-1.5, -deep), turned_to(2.5, 0)) if up > 0 else (turned_to(-1.5, 0), turned_to(2.5, -deep))
+            under, above = (-deep, 0) if up > 0 else (0, -deep)
+            ends = turned_to(-1.5, under), turned_to(2.5, above)
             floor = f"body ground block material=m lower={ends[0]} upper={ends[1]} ppc=2\ncontact m ground friction=2\n"
             floor += {"plate": "rigid ground", "ground": f"wall {face}=fixed",
                       "held": f'motion ground where="abs({face[0]})>0.6" x=0 y=0'}[self.kind]
