@@ -13,10 +13,10 @@ module sgmp_combinations
   private
   public :: feature_t, refusal_t, combinations_check, combinations_choose, combinations_parts, &
             combinations_features, combinations_refusals, feature_label, feature_of_card
-  public :: combinations_rubbing, combinations_walls
+  public :: combinations_bodies, combinations_walls
 
   !> Features that let something rub.
-  character(*), parameter :: combinations_rubbing = 'friction wallfriction'
+  character(*), parameter :: combinations_bodies = 'friction'
   character(*), parameter :: combinations_walls = 'wallfriction'
 
   !> How the value of a key shows that a card asks for the feature.

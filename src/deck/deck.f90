@@ -1,8 +1,8 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
   use sgmp_card_parse, only: card_default, card_parse
-  use sgmp_combinations, only: combinations_check, combinations_choose, combinations_parts, &
-                               combinations_rubbing, combinations_walls
+  use sgmp_combinations, only: combinations_bodies, combinations_check, combinations_choose, &
+                               combinations_parts, combinations_walls
   use sgmp_deck_card, only: card_free, deck_card_t, value_t
   use sgmp_deck_echo, only: deck_echo, deck_fixed
   use sgmp_deck_errors, only: deck_errors_t, position_t
@@ -21,7 +21,7 @@ module sgmp_deck
   use sgmp_parameters, only: parameters_t
   use sgmp_particle_number, only: particle_number_settle
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
-  use sgmp_rolling, only: scene_rolls
+  use sgmp_rolling, only: scene_presses, scene_rolls
   use sgmp_scene, only: alternatives_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
@@ -148,18 +148,20 @@ contains
     end associate
   end subroutine settle_method
 
-  !> Friction beside which rotation is exact: that of walls that let go, where a stiff block would
-  !! not topple without it, for the grid strains what turns; any, where something rolls.
+  !> Friction beside which rotation is exact: that of bodies and of walls that let go, where a stiff
+  !! block would not topple without it, for the grid strains what turns; any, where something rolls.
   function rubbing(scene, faultless) result(words)
     type(scene_t), intent(in) :: scene
     logical, intent(in) :: faultless
     character(:), allocatable :: words
     words = ''
     if (scene_rolls(scene)) then
-      words = combinations_rubbing
-    else if (faultless) then
-      if (walls_apart_from_rubbing(scene)) words = combinations_walls
+      words = combinations_bodies//' '//combinations_walls
+      return
     end if
+    if (scene_presses(scene)) words = combinations_bodies
+    if (.not. faultless) return
+    if (walls_apart_from_rubbing(scene)) words = words//' '//combinations_walls
   end function rubbing
 
   !> Which particles are split, where the deck leaves it open.

@@ -7,35 +7,62 @@ module sgmp_rolling
   use sgmp_shapes, only: shape_cylinder, shape_ring, shape_sphere
   implicit none
   private
-  public :: scene_rolls, scene_rubbed
+  public :: scene_presses, scene_rolls, scene_rubbed
 
 contains
 
-  !> Whether there is, in plane or space, a deformable solid that gravity or a body force presses
-  !! onto something, or an elastic ball, disk or ring. Else friction gives a round one half of the
-  !! rotation that it should, and a stiff block that is pushed over stays upright.
+  !> Whether there is a deformable ball, disk or ring that gravity or a body force presses onto
+  !! something, or that is elastic: what friction gives it of rotation is half of what it does.
   pure function scene_rolls(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
-    integer :: b, m
-    logical :: pressed
+    integer :: b
     yes = .false.
-    if (scene%axisymmetric .or. scene%dimension == 1) return
-    do m = 1, size(scene%motions)
-      if (scene_rubbed(scene, scene%motions(m)%body) > 0) return  ! refused
-    end do
-    pressed = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0
+    if (.not. may_turn(scene)) return
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b))
         if (body%rigid .or. .not. allocated(body%shapes) .or. body%material == 0) cycle
-        associate (law => scene%materials(body%material)%law)
-          yes = (pressed .and. law_bends(law)) .or. &
-                (law_is_springy(law) .and. all(is_round(body%shapes%kind, scene%dimension)))
-        end associate
+        if (.not. (pressed(scene) .or. law_is_springy(scene%materials(body%material)%law))) cycle
+        yes = all(is_round(body%shapes%kind, scene%dimension))
       end associate
       if (yes) return
     end do
   end function scene_rolls
+
+  !> Whether gravity or a body force presses a deformable solid onto something: a stiff block that
+  !! is pushed over would stay upright.
+  pure function scene_presses(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    integer :: b
+    yes = .false.
+    if (.not. (may_turn(scene) .and. pressed(scene))) return
+    do b = 1, size(scene%bodies)
+      associate (body => scene%bodies(b))
+        if (body%rigid .or. body%material == 0) cycle
+        yes = yes .or. law_bends(scene%materials(body%material)%law)
+      end associate
+    end do
+  end function scene_presses
+
+  !> Whether bodies turn in plane or space, and none that others rub is moved in part: there exact
+  !! rotation is refused.
+  pure function may_turn(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    integer :: m
+    yes = .not. (scene%axisymmetric .or. scene%dimension == 1)
+    do m = 1, size(scene%motions)
+      yes = yes .and. scene_rubbed(scene, scene%motions(m)%body) == 0
+    end do
+  end function may_turn
+
+  !> Whether a force acts throughout the bodies.
+  pure function pressed(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    yes = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0
+  end function pressed
 
   !> Number of the card contact by which a body is rubbed by others; 0: none.
   pure function scene_rubbed(scene, b) result(card)

@@ -30,9 +30,10 @@ SLIDE = """
 title "Block on an incline turned against the grid"
 parameter turn=30
 parameter slope=30
+parameter rotation=auto
 dimension 2
 grid cell=0.1
-method sgmp
+method sgmp rotation=$rotation
 time end=0.3 cfl=0.5
 gravity (10*sin((slope+turn)*pi/180),-10*cos((slope+turn)*pi/180))
 material soft elastic density=1000 young=1e6 poisson=0.3
@@ -132,7 +133,8 @@ def bars(executable, scratch):
 
 
 def sliding(executable, scratch):
-    """Coulomb friction at an angle to the grid, and the same bits for any number of threads."""
+    """Coulomb friction at an angle to the grid, and the same bits for any number of threads. Gravity that acts at once
+    makes the surface stick and slip at first: with exact rotation it is 5 % too far with twice the cells."""
     checksums = set()
     for threads in ("1", "2", "3"):
         data, summary = run(executable, os.path.join(scratch, "slide_" + threads), SLIDE, "--threads", threads)
@@ -142,10 +144,13 @@ def sliding(executable, scratch):
         all(row["torque_x"] == 0 and row["torque_y"] == 0 for row in data["contact"]),
         "in the plane the only torque is that about z",
     )
-    block = [row for row in data["bodies"] if row["body"] == 2]
-    way = math.hypot(block[-1]["x"] - block[0]["x"], block[-1]["y"] - block[0]["y"])
-    exact = 0.5*10*(math.sin(math.pi/6) - 0.3*math.cos(math.pi/6))*block[-1]["time"]**2
-    return good & check(abs(way/exact - 1) < 0.045, f"the block slid {way:.4f} (exact {exact:.4f})")
+    plain = run(executable, os.path.join(scratch, "slide_plain"), SLIDE, "--set", "rotation=plain")[0]
+    for found, most, name in ((data, 0.08, "by default"), (plain, 0.045, "with rotation=plain")):
+        block = [row for row in found["bodies"] if row["body"] == 2]
+        way = math.hypot(block[-1]["x"] - block[0]["x"], block[-1]["y"] - block[0]["y"])
+        exact = 0.5*10*(math.sin(math.pi/6) - 0.3*math.cos(math.pi/6))*block[-1]["time"]**2
+        good &= check(abs(way/exact - 1) < most, f"the block slid {way:.4f} {name} (exact {exact:.4f})")
+    return good
 
 
 def stack(blocks):
@@ -247,7 +252,7 @@ def placed(turned, method, contact, dimension):
 
 def positions(executable, scratch):
     """The same result wherever the blocks lie on the grid and however they are turned; in 3D between walls, that of
-    2D."""
+    2D. Friction at the surface is found in rounds, whose order is that of the grid (doc/rotation.md)."""
     same = (lambda x, y: (x, y), lambda x, y: (x, y))
     others = {
         "moved by whole cells": (lambda x, y: (x + 7, y - 5), same[1]),
@@ -257,10 +262,12 @@ def positions(executable, scratch):
     }
     good = True
     for method, contact in (
-        ("sgmp", "friction=0.3"), ("sgmp update=usf", "friction=10 normal=average"),
+        ("sgmp", "friction=0.3"), ("sgmp rotation=plain", "friction=0.3"),
+        ("sgmp rotation=plain update=usf", "friction=10 normal=average"),
         ("gimp update=usavg", "friction=0"), ("mpm", "friction=0.3 normal=stiffer"),
-        ("sgmp update=usl", "friction=0.3 depth=0.6"),
+        ("sgmp rotation=plain update=usl", "friction=0.3 depth=0.6"),
     ):
+        most = 5e-3 if method == "sgmp" else 1e-13
         folder = os.path.join(scratch, "placed")
         first = run(executable, folder, placed(same, method, contact, 2), "--threads", "1")[0]["bodies"]
         scale = max(math.hypot(row["velocity_x"], row["velocity_y"]) for row in first)
@@ -274,7 +281,7 @@ def positions(executable, scratch):
             for a, b in zip(first, rows if name != "3D" else [row for row in rows if row["step"] <= 1]):
                 v = turned[1](a["velocity_x"], a["velocity_y"])
                 off = max(off, abs(v[0] - b["velocity_x"])/scale, abs(v[1] - b["velocity_y"])/scale)
-            good &= check(off < 1e-13, f"{method}, {contact}: {name}, velocities differ by {off:.1e}")
+            good &= check(off < most, f"{method}, {contact}: {name}, velocities differ by {off:.1e}")
     return good
 
 
