@@ -22,7 +22,7 @@ module sgmp_judge_toppling
 
   real(dp), parameter :: least_angle = 0.05_dp   !! by the rate at the end, in the time of the run
   real(dp), parameter :: coherent = 0.25_dp      !! of the moment if all turned the same way
-  real(dp), parameter :: least_turning = 0.05_dp !! of the energy; a quarter, where an edge rests
+  real(dp), parameter :: least_turning = 0.05_dp  !! of the energy; a quarter, where an edge rests
   real(dp), parameter :: edge_error = 1.7_dp, fair_cells = 34.0_dp
   real(dp), parameter :: least_rubbed = 1.0e-3_dp  !! impulse along the surfaces, over all of it
   !> Energy of false strains over rho c^2, for an angle of 1 (measured: block of 1 by 3, 8 cells).
