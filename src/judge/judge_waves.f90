@@ -21,7 +21,7 @@ module sgmp_judge_waves
   real(dp), parameter :: wave_weight = 1.0_dp    !! error over (kh)^2, sgmp 0.86 to 1.02
   real(dp), parameter :: noisy_weight = 4.0_dp   !! of methods that are neither sgmp nor bspline
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
-  real(dp), parameter :: most_error = 0.35_dp
+  real(dp), parameter :: most_error = 0.45_dp
   real(dp), parameter :: least_motion = 1.0e-6_dp  !! v^2 over g and the liquid's extent
 
 contains

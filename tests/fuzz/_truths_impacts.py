@@ -285,7 +285,7 @@ class Slosh(Truth):
 grid cell={h} x=0:{long} y=0:open
 wall x-=slip x+=slip y-=slip
 METHOD
-time end={2.4*self.period} cfl=0.4
+time end={4*self.period} cfl=0.4
 gravity (0,-1)
 material m fluid density=1
 eos m tait c0=15
