@@ -8,7 +8,7 @@ module sgmp_cards_method
   use sgmp_registry, only: registry_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: words_joined
-  use sgmp_update, only: update_musl, update_names
+  use sgmp_update, only: update_musl, update_names, update_usf
   implicit none
   private
   public :: register_method
@@ -45,7 +45,8 @@ contains
                       'neighbours are filled beyond this fraction', range='[0,1)', default='0.25')
     call registry%key('volumes', kind_word, 'kept: the volumes of the particles stay those of '// &
                       'the space they fill, for explosives, and for gases that walls enclose '// &
-                      '(sgmp; musl, usavg); auto: kept where something burns beside other '// &
+                      '(sgmp; musl, usavg); auto: liquids move as they are strained; kept '// &
+                      'where something burns beside other '// &
                       'matter, where gas is in another gas (not on a line) or only rigid '// &
                       'bodies are beside it, and where nothing but gas moves in a box of walls', &
                       choices='auto plain kept', default='auto', &
@@ -131,6 +132,9 @@ contains
       method%interior = card%number('interior')
       method%volumes_kept = card%word('volumes') == 'kept'
       method%volumes_auto = card%word('volumes') == 'auto' .and. card%word('stress') /= 'plain'
+      ! usf strains in another sweep than it moves.
+      method%volumes_matched = method%kind == method_sgmp .and. method%update /= update_usf .and. &
+                               (method%volumes_auto .or. method%volumes_kept)
       if (method%volumes_kept) method%normalised = .true.
       if (method%volumes_kept) method%normalised_auto = .false.
       method%hoop = card%number('hoop', absent=method%hoop)

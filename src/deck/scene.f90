@@ -84,6 +84,7 @@ module sgmp_scene
       !! nodes lighter than this times the largest particle mass are ignored
     logical :: normalised = .false.   !! volume-normalised stress (sgmp only)
     logical :: volumes_kept = .false.  !! particles keep the volume of the space they fill (sgmp)
+    logical :: volumes_matched = .false.  !! liquids move as they are strained (sgmp)
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
     !> The program chooses (sgmp_deck).

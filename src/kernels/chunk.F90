@@ -19,6 +19,7 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_departures), only: departures_eroded, departures_note, departures_note_all, &
                                   departures_outside, departures_relabelled, departures_take_out
   use CARTESIAN(sgmp_drift_graded), only: drift_graded
+  use CARTESIAN(sgmp_drift_matched), only: drift_matched
   use sgmp_drive, only: most_drives
   use CARTESIAN(sgmp_driven_particles), only: driven_masses, driven_read
   use sgmp_features, only: sum_split
@@ -359,6 +360,10 @@ contains
     if (plan%drift .and. size(body%walls) > 0) then
       call one_sided_drift(mesh, body%walls, task%live(1, nl), motion, &
                            plan%dt*got(:, task%velocity:task%velocity + NDIM - 1), state, lane_sums)
+    end if
+    if (plan%drift .and. body%matched .and. plan%gradient > 0) then
+      call drift_matched(mesh%h, task%live(1, nl), xi, cell, task%stride, &
+                         records(task%gradient, 1), row, got(1, task%velocity))
     end if
     if (plan%drift .and. mesh%graded) then
       call drift_graded(mesh, task%dt_cells, task%live(1, nl), origin, extent, &

@@ -46,6 +46,7 @@ module sgmp_body
     logical :: linear = .false.                !! as of its field
     logical :: faced = .false.                 !! some of them act on faces
     logical :: is_driven = .false.             !! the motion of parts of it is prescribed
+    logical :: matched = .false.               !! moves as it is strained (sgmp_drift_matched)
     type(driven_part_t), allocatable :: driven(:)  !! these; not allocated: none
     logical :: rigid = .false.                 !! moves as prescribed, or as a whole
     logical :: at_rest = .false.               !! rigid and never moves

@@ -312,7 +312,7 @@ contains
                                             any(model%fields%columns%turns))))
     call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
                                             any(model%fields%columns%corrected))))
-    call summary%set('volumes', trim(merge('kept ', 'plain', model%method%relaxed)))
+    call summary%set('volumes', volumes_word(model))
     call summary%set('drift', trim(merge('remapped', 'plain   ', &
                                          any(model%fields%columns%remapped))))
     call summary%set('split_limit', features_split_limit(scene%features))
@@ -335,6 +335,15 @@ contains
     call summary%set('units.mass', trim(scene%units(2)))
     call summary%set('units.time', trim(scene%units(3)))
   end subroutine summarise_scene
+
+  !> What the volumes of particles are (doc/volumes.md).
+  pure function volumes_word(model) result(word)
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: word
+    word = 'plain'
+    if (any(model%bodies%matched)) word = 'matched'
+    if (model%method%relaxed) word = 'kept'
+  end function volumes_word
 
   !> Where contact comes from.
   pure function contact_word(scene) result(word)

@@ -12,7 +12,7 @@ module sgmp_build_model
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_closing, only: closing_first
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_bends, law_is_spherical, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_bends, law_is_spherical, law_liquid, &
                                law_set_average, law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs, contact_self
@@ -343,6 +343,8 @@ contains
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(inout) :: error
     associate (card => scene%bodies(number))
+      body%matched = scene%method%volumes_matched .and. law_liquid(body%law) .and. &
+                     .not. (body%rigid .or. mesh%graded)
       call set_velocities(card, mesh, file_velocity, body)
       call set_swirl(card, mesh, body)
       if (seeded) call set_rotation(card, mesh, body)
