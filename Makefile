@@ -71,10 +71,10 @@ hard: build ## Run the hard cases by four methods (minutes): build/hard/results.
 	$(PYTHON) verification/hard/hard.py --publish
 	$(PYTHON) scripts/dev/wrap.py doc/hard-cases.md
 
-test: build-all ## Build and run the tests that take less than ten seconds each: two minutes on two cores
+test: build-all ## Build and run the tests that take less than ten seconds each: three minutes on two cores
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -LE long
 
-test-long: build-all ## Run the others: layouts, restarts, random decks and scenes, every page's commands (five minutes)
+test-long: build-all ## Run the others: layouts, restarts, random decks and scenes, every page's commands (ten minutes)
 	ctest --test-dir build/release --parallel $(TEST_JOBS) --output-on-failure --no-tests=error -L long
 
 test-full: build-all ## The same with all layouts, more kills and random scenes, sanitizers, a sample of small faults (half an hour)

@@ -184,7 +184,7 @@ def bars():
     quarters early."""
     for space, (grid, walls, block, along) in SPACES.items():
         deck = SHIFT + BAR.format(space=space, grid=grid, walls=walls, block=block, along=along)
-        for settings in ({}, {"d": -1}, {"shift": "none"}) if space != 3 else ({}, {"d": -1}):
+        for settings in ({}, {"d": -1}, {"shift": "none"}) if space != 3 else ({"d": -1},):
             for method in ("sgmp", "gimp", "mpm", "bspline") if space == 1 else ("sgmp",):
                 name = f"bar_{space}_{method}_" + "_".join(f"{key}{value}" for key, value in settings.items())
                 result = run(name, deck, method=method, **settings)
@@ -200,7 +200,7 @@ def bars():
 
 def pressed():
     """A strip that its moved end presses on a wall: the wall gives by half a cell of the strip."""
-    for cell in (0.1, 0.05):
+    for cell in (0.2, 0.1):
         result = run(f"pressed_{cell}", PRESSED, cell=cell)
         if report.finished(result, f"pressed_{cell}"):
             rows = [row["stress_yy"] for row in result.table("particles_end.csv") if 0.3 < row["y"] < 1.2]
