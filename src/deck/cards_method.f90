@@ -59,7 +59,8 @@ contains
     call registry%key('rotation', kind_word, &
       'exact: rigid rotation strains nothing and internal '// &
                       'forces have no moment, at free surfaces as well (sgmp only); auto: '// &
-                      'exact for solids, with friction where something rolls', &
+                      'exact for solids, beside friction where they are pressed on a body '// &
+                      'or roll', &
                       choices='auto plain exact', default='auto', source='doc/rotation.md')
     call registry%key('surfaces', kind_word, 'corrected: strains are right at free surfaces '// &
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &

@@ -40,8 +40,8 @@ contains
     if (model%mesh%ndim == 1 .or. model%mesh%space == space_axisymmetric) return
     if (scene%method%kind /= method_sgmp) return
     if (all(abs(scene%gravity) <= 0.0_dp) .and. size(scene%bodyforces) == 0) return
-    if (.not. (any(scene%grid%floor) .or. rubs(model))) return
     do b = 1, size(scene%bodies)
+      if (.not. (any(scene%grid%floor) .or. rubs(model, b))) cycle
       if (.not. stands(scene, model, b)) cycle
       if (.not. turns(scene, model, b)) cycle
       call tell(opinion, scene, model, b)
@@ -57,7 +57,7 @@ contains
     integer, intent(in) :: b
     real(dp) :: cells
     cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
-    if (rubs(model) .and. .not. scene%method%rotation .and. stiff(model, b)) then
+    if (rubs(model, b) .and. .not. scene%method%rotation .and. stiff(model, b)) then
       call opinion%object("body '"//trim(model%bodies(b)%name)//"' turns over and is stiff: "// &
                           'without exact rotation the grid strains what turns, and holds it; '// &
                           'method sgmp rotation=exact (doc/rotation.md)')
@@ -68,13 +68,15 @@ contains
     end if
   end subroutine tell
 
-  !> Whether bodies have rubbed on each other.
-  pure logical function rubs(model) result(yes)
+  !> Whether a body has rubbed on another.
+  pure logical function rubs(model, b) result(yes)
     type(model_t), intent(in) :: model
+    integer, intent(in) :: b
     integer :: p
     yes = .false.
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
+        if (all(pair%body /= b)) cycle
         yes = yes .or. norm2(pair%friction_impulse) > least_rubbed*norm2(pair%impulse)
       end associate
     end do

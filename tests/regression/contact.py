@@ -144,6 +144,7 @@ def sliding(executable, scratch):
         all(row["torque_x"] == 0 and row["torque_y"] == 0 for row in data["contact"]),
         "in the plane the only torque is that about z",
     )
+    good &= check("turns over" not in str(summary["verdict_reasons"]), "what slides does not turn over")
     plain = run(executable, os.path.join(scratch, "slide_plain"), SLIDE, "--set", "rotation=plain")[0]
     for found, most, name in ((data, 0.08, "by default"), (plain, 0.045, "with rotation=plain")):
         block = [row for row in found["bodies"] if row["body"] == 2]

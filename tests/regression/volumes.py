@@ -10,7 +10,7 @@ velocity of a plate before a charge, by a Lagrangian code in one dimension (test
 import math
 import sys
 
-from _runs import BURNS, KEPT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SOURCE, Report, run
+from _runs import BURNS, KEPT, KEPT_PLANE, KEPT_RINGS, KEPT_SPACE, SOURCE, Report, changed, run
 
 KEPT_LINE = KEPT.format(dimension=1, grid="x=0:20", walls="x-=slip x+=fixed", upper="10,0,0")
 SPACES = {
@@ -23,20 +23,6 @@ SPACES = {
     "rings_swirl": KEPT_RINGS.replace("dimension axisymmetric", "dimension axisymmetric swirl=yes")
     + "velocity gas spin=0.1\n",
 }
-SLOSHES = """
-dimension 2
-grid cell=1/8 x=0:2 y=0:open
-wall x-=slip x+=slip y-=slip
-method sgmp volumes=auto
-time end=END cfl=0.4
-gravity (0,-1)
-material m fluid density=1
-eos m tait c0=15
-initial_stress m surface=1
-body m block material=m lower=(0,0) upper=(2,1) ppc=2
-velocity m x="-SPEED*sin(K*x)*cosh(K*y)" y="SPEED*cos(K*x)*sinh(K*y)"
-history steps=20
-"""
 # The same boxes with cells of unequal sides.
 UNEQUAL = "ratio=1.2 largest=2"
 SPACES |= {
@@ -343,20 +329,19 @@ def sloshes(report):
     """Water in a box swings to and fro: the kinetic energy comes back, in the plane and in a slice of space, and the
     interior stays smooth. Without (VM1) particles gather, sink and stir: several times that energy after four
     periods."""
-    k = math.pi/2
-    omega = math.sqrt(k*math.tanh(k))
-    speed = 0.1*omega/math.sinh(k)
-    deck = SLOSHES.replace("END", repr(8*math.pi/omega)).replace("SPEED", repr(speed)).replace("K", repr(k))
-    space = deck.replace("dimension 2", "dimension 3").replace("y=0:open", "y=0:open z=0:1/8").replace(
-        "y-=slip", "y-=slip z-=slip z+=slip").replace("lower=(0,0)", "lower=(0,0,0)").replace(
-        "upper=(2,1)", "upper=(2,1,1/8)").replace("gravity (0,-1)", "gravity (0,-1,0)")
-    for name, text, volumes, least, most in (
-        ("sloshes", deck, "matched", 0.6, 1.1), ("sloshes_space", space, "matched", 0.6, 1.1),
-        ("sloshes_usavg", deck.replace("volumes", "update=usavg volumes"), "matched", 0.6, 1.1),
-        ("sloshes_plain", deck.replace("volumes=auto", "volumes=plain"), "plain", 1.3, 9),
-        ("sloshes_usf", deck.replace("volumes", "update=usf volumes"), "plain", 1.3, 9),
+    with open(f"{SOURCE}/verification/flows/slosh.inp", encoding="utf-8") as file:
+        deck = file.read()
+    space = changed(
+        deck, ("dimension 2", "dimension 3"), ("y=0:open", "y=0:open z=0:1/n"), ("y-=slip", "y-=slip z-=slip z+=slip"),
+        ("lower=(0,0) upper=(long,1)", "lower=(0,0,0) upper=(long,1,1/n)"), ("gravity (0,-1)", "gravity (0,-1,0)"),
+    )
+    for name, text, settings, volumes, least, most in (
+        ("sloshes", deck, {}, "matched", 0.6, 1.1), ("sloshes_space", space, {}, "matched", 0.6, 1.1),
+        ("sloshes_usavg", deck, {"update": "usavg"}, "matched", 0.6, 1.1),
+        ("sloshes_plain", deck, {"volumes": "plain"}, "plain", 1.3, 9),
+        ("sloshes_usf", deck, {"update": "usf"}, "plain", 1.3, 9),
     ):
-        result = run(name, text)
+        result = run(name, text, **settings)
         if not report.finished(result, name):
             continue
         rows = result.table("history.csv")
