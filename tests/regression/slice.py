@@ -83,7 +83,7 @@ def main():
     for method in METHODS:
         word = method.replace(" ", "_").replace("=", "_")
         compare(report, f"hits_{word}", HITS, method, 2e-3)  # the line between bodies is sought to 3e-4 of an angle
-        compare(report, f"rubs_{word}", RUBS, method, 1e-3)  # exact rotation: 1.3e-4 measured
+        compare(report, f"rubs_{word}", RUBS, method, 1e-12)  # 1.4e-15 measured
     report.end()
 
 

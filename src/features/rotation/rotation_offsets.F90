@@ -59,6 +59,9 @@ contains
             if (held(i)) offset(i, :) = 0.0_dp
           end do
         end if
+        do i = 1, n  ! after walls: across those every node of a body has an offset before it is held
+          if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
+        end do
         call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
       end do
     end do
@@ -90,7 +93,6 @@ contains
       if (m(i)*0.5_dp**NDIM > cutoff) then
         offset(i, :) = offset(i, :)/m(i)
         if (rings) offset(i, 1) = radial(i)
-        if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
       else
         offset(i, :) = 0.0_dp
       end if
