@@ -18,6 +18,7 @@ module sgmp_load
   type :: load_t
     integer :: kind = load_force       !! one of load_*
     integer :: column = 0
+    integer :: set = 1                 !! which of the sets of faces of its card
     type(expression_t) :: value(3)     !! components of force or traction; pressure: the first
     type(air_blast_t) :: blast         !! the charge
     integer :: side = 0, axis = 0      !! of an edge: lower or upper face of the grid, axis

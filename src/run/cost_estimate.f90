@@ -267,7 +267,8 @@ contains
     call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at '// &
                   'rest (absorbing walls)')
     do i = 1, size(body%loads)
-      if (body%loads(i)%kind == load_blast) call put_blast(body%loads(i))
+      if (body%loads(i)%kind /= load_blast .or. body%loads(i)%set > 1) cycle
+      call put_blast(body%loads(i))
     end do
   end subroutine put_loads
 

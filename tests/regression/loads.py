@@ -62,7 +62,7 @@ output csv at=end fields=stress,displacement
 """
 
 
-# At rest under a pressure on all sides, each by a card of its own.
+# At rest under a pressure on all sides.
 PRESSED = """
 parameter method = sgmp
 dimension 2
@@ -71,10 +71,22 @@ method $method
 time dt=0.05 steps=1600
 material rubber elastic density=1 young=10 poisson=0.25 strain=small
 body block block lower=(10,10) upper=(16,14) material=rubber ppc=2
-pressure block face=x- p=0.01
-pressure block face=x+ p=0.01
-pressure block face=y- p=0.01
-pressure block face=y+ p=0.01
+$more
+pressure block p=0.01
+damping rate=2
+output csv at=end fields=stress
+"""
+FACES = "".join(f"pressure block face={axis}{side} p=0.01\n" for axis in "xy" for side in "-+")
+
+# The same of a cylinder: its ends have edges, too.
+COLUMN = """
+dimension 3
+grid cell=1 z=0:open
+method sgmp
+time dt=0.05 steps=400
+material rubber elastic density=1 young=10 poisson=0.25 strain=small
+body column cylinder axis=(0,0,1) centre=(0,0,10) radius=2 length=4 material=rubber ppc=2
+pressure column p=0.01
 damping rate=2
 output csv at=end fields=stress
 """
@@ -191,15 +203,28 @@ history steps=1
 
 
 def patch(report):
-    """A uniform pressure all around a block is in equilibrium with the stress behind it, corners included."""
-    for method in ("sgmp", "mpm", "gimp"):
-        result = run(f"patch_{method}", PRESSED, method=method)
-        if not report.finished(result, f"patch_{method}"):
+    """A uniform pressure all around is in equilibrium with the stress behind it, at edges and corners too."""
+    for name, method, more, allowed in (
+        ("sgmp", "sgmp", "", 5e-3), ("mpm", "mpm", "", 5e-3), ("gimp", "gimp", "", 5e-3),
+        ("angle", "sgmp", "add block block lower=(10,14) upper=(13,18)", 0.07),  # 0.06 at the inner corner
+    ):
+        text = PRESSED.replace("$more", more)
+        result = run(f"patch_{name}", text, method=method)
+        if not report.finished(result, f"patch_{name}"):
             continue
         rows = result.table("particles_end.csv")
         for field, expected in (("stress_xx", -0.01), ("stress_yy", -0.01), ("stress_xy", 0)):
             worst = max(abs(row[field] - expected) for row in rows)
-            report.check(worst < 5e-3*0.01, f"patch_{method}: {field} is off by {worst/0.01} of the pressure")
+            report.check(worst < allowed*0.01, f"patch_{name}: {field} is off by {worst/0.01} of the pressure")
+        each = run(f"patch_{name}_each", text.replace("pressure block p=0.01\n", FACES), method=method)
+        for field in ("stress_xx", "stress_yy", "stress_xy"):
+            worst = max(abs(a[field] - b[field]) for a, b in zip(rows, each.table("particles_end.csv")))
+            report.check(worst < 1e-12*0.01, f"patch_{name}: cards for each face give another {field}, by {worst/0.01}")
+    result = run("patch_column", COLUMN)
+    if report.finished(result, "patch_column"):
+        rows = result.table("particles_end.csv")
+        mean = sum(row["stress_zz"] for row in rows)/len(rows)
+        report.check(abs(mean + 0.01) < 2e-3*0.01, f"patch_column: the axial stress is {-mean/0.01} of the pressure")
 
 
 def tables(report):

@@ -14,9 +14,9 @@ module sgmp_loads_build
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
   use sgmp_scene, only: body_card_t, layout_graded, load_card_t, scene_t
-  use sgmp_shapes, only: shapes_inside
+  use sgmp_shapes, only: shape_block, shape_cylinder, shape_ring, shapes_inside
   use sgmp_text, only: integer_text, real_text_about
-  use sgmp_turn, only: turn_back, turn_forth
+  use sgmp_turn, only: turn_back, turn_forth, turn_turns
   use sgmp_units, only: units_sizes
   implicit none
   private
@@ -36,14 +36,19 @@ contains
     integer, intent(in) :: number
     type(body_t), intent(inout) :: body
     type(load_t) :: new
-    integer :: i
+    integer :: i, set
     allocate (body%loads(0))
     do i = 1, size(scene%loads)
       if (scene%loads(i)%body /= number) cycle
       new%kind = scene%loads(i)%kind
       new%value = scene%loads(i)%value
       if (new%kind == load_blast) new%blast = charge_of(scene%loads(i), scene%units)
-      body%loads = [body%loads, new]
+      associate (along => faces_together(scene%loads(i), scene%bodies(number), scene%dimension))
+        do set = 1, size(along, 2)
+          new%set = set
+          body%loads = [body%loads, new]
+        end do
+      end associate
     end do
     body%forced = body%forced .or. size(body%loads) > 0
     body%faced = any(body%loads%kind /= load_force)
@@ -79,6 +84,35 @@ contains
     end do
   end subroutine loads_add_columns
 
+  !> Axes along which faces look that act on a particle at one place, a set a column: of the faces
+  !! of a block those along each axis, since a particle at its edge shows two faces; of a straight
+  !! cylinder its ends, and the stairs around it. Elsewhere one set: the faces of stairs stand for
+  !! one that is oblique.
+  pure function faces_together(card, body, ndim) result(along)
+    type(load_card_t), intent(in) :: card
+    type(body_card_t), intent(in) :: body
+    integer, intent(in) :: ndim
+    logical, allocatable :: along(:, :)          !! (axis, set)
+    logical, parameter :: every(3, 1) = .true.
+    real(dp), parameter :: straight = 1.0_dp - 1.0e-9_dp
+    logical :: ends(3)
+    integer :: a, b
+    along = every
+    if (card%kind == load_force) return
+    if (card%axis > 0) then
+      along(:, 1) = [(a == card%axis, a=1, 3)]
+      return
+    end if
+    if (size(body%shapes) == 0 .or. any(turn_turns(body%shapes%turn))) return
+    if (all(body%shapes%kind == shape_block)) then
+      along = reshape([((a == b, a=1, 3), b=1, ndim)], [3, ndim])
+    else if (size(body%shapes) == 1) then
+      ends = abs(body%shapes(1)%axis) > straight .and. &
+             any(body%shapes(1)%kind == [shape_cylinder, shape_ring])
+      if (any(ends(:ndim))) along = reshape([ends, .not. ends], [3, 2])
+    end if
+  end function faces_together
+
   !> Fills these columns; an error where nothing bears a load. All ranks must call it.
   subroutine loads_fill(scene, number, mesh, body, error)
     type(scene_t), intent(in) :: scene
@@ -86,48 +120,64 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(inout) :: body
     type(error_t), allocatable, intent(out) :: error
-    type(air_blast_t) :: blast
-    real(dp) :: total(sums)
-    integer :: i, own
-    own = 0
+    real(dp) :: total(sums), of_set(sums)
+    type(load_t), allocatable :: loads(:)
+    integer :: i, before, set
+    logical, allocatable :: along(:, :)
+    before = 0
     do i = 1, size(scene%loads)
       if (scene%loads(i)%body /= number) cycle
-      own = own + 1
-      associate (card => scene%loads(i), column => body%loads(own)%column)
-        call fill_columns(card, scene%bodies(number), mesh, column, body, total)
-        if (total(unclear) > 0.0_dp) then
-          call error_make(error, exit_deck, "where=… is not a number at some places of body '"// &
-                          trim(body%name)//"'", 'particles bear the load where it is not 0', &
-                          card%location)
-        else if (total(squeezed) > 0.0_dp) then
-          call error_make(error, exit_deck, "particles of body '"//trim(body%name)// &
-                          "' show opposite faces, which one force cannot press", &
-                          'a card for each face (face=x- … face=x+), or two particles across '// &
-                          'the thinnest part', card%location)
-        else if (total(borne) <= 0.0_dp) then
-          call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
-                                                       'there are no such faces       ', &
-                                                       card%kind == load_force)), &
-                          'look at where=… and face=…; particles are at the centres of their '// &
-                          'cubes', card%location)
-        end if
+      associate (card => scene%loads(i))
+        along = faces_together(card, scene%bodies(number), mesh%ndim)
+        total = 0.0_dp
+        do set = 1, size(along, 2)
+          call fill_columns(card, scene%bodies(number), mesh, along(:, set), &
+                            body%loads(before + set)%column, body, of_set)
+          total = total + of_set
+        end do
+        call check_bearers(card, trim(body%name), total, error)
         if (card%kind == load_blast .and. .not. allocated(error)) then
-          blast = body%loads(own)%blast
-          call check_distance(card, body, column, mesh, blast, error)
-          body%loads(own)%blast = blast
+          loads = body%loads(before + 1:before + size(along, 2))
+          call check_distance(card, body, loads, mesh, error)
+          body%loads(before + 1:before + size(along, 2)) = loads
         end if
         if (allocated(error)) return
-        if (card%kind == load_force) call share(body, column, total(borne))
+        if (card%kind == load_force) call share(body, body%loads(before + 1)%column, total(borne))
+        before = before + size(along, 2)
       end associate
     end do
   end subroutine loads_fill
 
+  !> An error where a load has nothing to act on, or no place to act at.
+  subroutine check_bearers(card, name, total, error)
+    type(load_card_t), intent(in) :: card
+    character(*), intent(in) :: name             !! of the body
+    real(dp), intent(in) :: total(sums)
+    type(error_t), allocatable, intent(out) :: error
+    if (total(unclear) > 0.0_dp) then
+      call error_make(error, exit_deck, "where=… is not a number at some places of body '"// &
+                      name//"'", 'particles bear the load where it is not 0', card%location)
+    else if (total(squeezed) > 0.0_dp) then
+      call error_make(error, exit_deck, "particles of body '"//name// &
+                      "' show opposite faces, which one force cannot press", &
+                      'a card for each face (face=x- … face=x+), or two particles across '// &
+                      'the thinnest part', card%location)
+    else if (total(borne) <= 0.0_dp) then
+      call error_make(error, exit_deck, trim(merge('the load acts on no particle  ', &
+                                                   'there are no such faces       ', &
+                                                   card%kind == load_force)), &
+                      'look at where=… and face=…; particles are at the centres of their '// &
+                      'cubes', card%location)
+    end if
+  end subroutine check_bearers
+
   !> Fills the columns of a load: 1 for the particles that bear a force, area vectors of the faces
   !! that particles show.
-  subroutine fill_columns(card, owner, mesh, column, body, total)
+  subroutine fill_columns(card, owner, mesh, along, column, body, total)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: along(3)              !! axes along which its faces look
     integer, intent(in) :: column
     type(body_t), intent(inout) :: body
     real(dp), intent(out) :: total(sums)         !! of the mass or the area, and of particles
@@ -147,9 +197,10 @@ contains
           if (card%kind /= load_force) then
             associate (volume => particles%state(l, 1, c), counts => terms(:, c))
               if (owner%layout == layout_graded) then
-                call faces_graded(card, owner, mesh, lattice, x, volume, faces, counts)
+                call faces_graded(card, owner, mesh, lattice, along, x, volume, faces, counts)
               else
-                call faces_of(card, owner, mesh, body%spacing, x, volume, faces, counts)
+                call faces_of(card, owner, mesh, body%spacing, along, x, volume, faces, &
+                              counts)
               end if
             end associate
             particles%state(l, column:column + n - 1, c) = faces(:n)
@@ -165,32 +216,24 @@ contains
 
   !> Notes how near the faces are to the charge; an error where the fits of its blast do not hold
   !! for all of them. All ranks must call it.
-  subroutine check_distance(card, body, column, mesh, blast, error)
+  subroutine check_distance(card, body, loads, mesh, error)
     type(load_card_t), intent(in) :: card
     type(body_t), intent(in) :: body
-    integer, intent(in) :: column
+    type(load_t), intent(inout) :: loads(:)      !! one for each set of faces
     type(mesh_t), intent(in) :: mesh
-    type(air_blast_t), intent(inout) :: blast
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: x(3), least, most
-    integer :: c, l, n
-    n = mesh%ndim
-    x = 0.0_dp
+    type(air_blast_t) :: blast
+    real(dp) :: least, most
+    integer :: i
+    blast = loads(1)%blast
     least = huge(1.0_dp)
     most = 0.0_dp
-    do c = 1, body%particles%chunks
-      do l = 1, lanes
-        associate (area => body%particles%state(l, column:column + n - 1, c))
-          if (all(abs(area) <= 0.0_dp)) cycle
-          x(:n) = mesh_places(mesh, body%particles%motion(l, :n, c)) + &
-                  0.5_dp*body%particles%state(l, body%law%slots%volume, c)/sum(area**2)*area
-        end associate
-        least = min(least, norm2(x - blast%point))
-        most = max(most, norm2(x - blast%point))
-      end do
+    do i = 1, size(loads)
+      call find_distances(body, loads(i), mesh, least, most)
     end do
     blast%nearest = parallel_min(least)
     most = -parallel_min(-most)
+    loads%blast = blast
     if (blast%nearest*blast%scale < air_blast_nearest(blast%burst)) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' is "// &
                       scaled_text(blast%nearest)//' from the charge; the fits of its blast '// &
@@ -214,6 +257,29 @@ contains
 
   end subroutine check_distance
 
+  !> Least and largest distance of faces from the charge.
+  pure subroutine find_distances(body, load, mesh, least, most)
+    type(body_t), intent(in) :: body
+    type(load_t), intent(in) :: load
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(inout) :: least, most
+    real(dp) :: x(3)
+    integer :: c, l, n
+    n = mesh%ndim
+    x = 0.0_dp
+    do c = 1, body%particles%chunks
+      do l = 1, lanes
+        associate (area => body%particles%state(l, load%column:load%column + n - 1, c))
+          if (all(abs(area) <= 0.0_dp)) cycle
+          x(:n) = mesh_places(mesh, body%particles%motion(l, :n, c)) + &
+                  0.5_dp*body%particles%state(l, body%law%slots%volume, c)/sum(area**2)*area
+        end associate
+        least = min(least, norm2(x - load%blast%point))
+        most = max(most, norm2(x - load%blast%point))
+      end do
+    end do
+  end subroutine find_distances
+
   !> Shares of particles in a force, per mass: one over the mass of all that bear it.
   pure subroutine share(body, column, mass)
     type(body_t), intent(inout) :: body
@@ -227,11 +293,12 @@ contains
 
   !> Sum of the area vectors of those faces of a particle behind which its lattice has no other one.
   !! Between rings a face is as long as its own radius says.
-  subroutine faces_of(card, owner, mesh, spacing, x, volume, area, counts)
+  subroutine faces_of(card, owner, mesh, spacing, along, x, volume, area, counts)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: spacing
+    logical, intent(in) :: along(3)              !! axes along which faces look
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
@@ -243,8 +310,9 @@ contains
     point = x
     call turn_back(owner%turn, point)
     do axis = 1, mesh%ndim
+      if (.not. along(axis)) cycle
       do side = 1, 2
-        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
+        if (card%side > 0 .and. card%side /= side) cycle
         next = point
         next(axis) = next(axis) + (2*side - 3)*spacing
         if (shapes_inside(owner%shapes, next, mesh%ndim, lattice_tolerance*spacing)) cycle
@@ -272,11 +340,12 @@ contains
   end subroutine count_faces
 
   !> The same as faces_of on the lattice of unequal cells, whose particles differ in size.
-  subroutine faces_graded(card, owner, mesh, lattice, x, volume, area, counts)
+  subroutine faces_graded(card, owner, mesh, lattice, along, x, volume, area, counts)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     type(lattice_t), intent(in) :: lattice
+    logical, intent(in) :: along(3)              !! axes along which faces look
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
@@ -287,8 +356,9 @@ contains
     shown = 0
     at = graded_faces_place(lattice, x)
     do axis = 1, mesh%ndim
+      if (.not. along(axis)) cycle
       do side = 1, 2
-        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
+        if (card%side > 0 .and. card%side /= side) cycle
         call graded_faces_shown(owner, lattice, at, axis, side, x, volume, face, shows)
         if (.not. shows > 0.0_dp) cycle
         if (borne_by_wall(mesh, lattice%length(at(axis), axis), face)) cycle
