@@ -44,9 +44,12 @@ module sgmp_expression
   integer, parameter :: slots = 256
     !! threads beyond this number compile a parser for each evaluation
 
-  !> One thread's compiled formula; none until that thread first evaluates.
+  !> One thread's compiled formula; none until that thread first evaluates. Of one that depends on
+  !! the time alone, its last value: it is asked for by every chunk of particles.
   type :: slot_t
     type(c_ptr) :: formula = c_null_ptr
+    real(dp) :: time = 0.0_dp, value = 0.0_dp
+    logical :: known = .false.
   end type slot_t
 
   !> A function that formulas call: linear between its rows, constant before the first and behind
@@ -250,9 +253,15 @@ contains
     real(dp), intent(in) :: time                !! t
     real(dp) :: value
     real(dp) :: places(lanes, expression_places), values(lanes)
-    integer :: lane
+    integer :: lane, thread
     value = self%value
     if (self%is_constant) return
+    thread = 0
+!$  thread = omp_get_thread_num()
+    if (thread < slots .and. .not. (self%uses_position .or. self%uses_initial_position)) then
+      value = value_at(self%shared, thread, time)
+      return
+    end if
     places = 0.0_dp
     places(1, :3) = position
     places(1, 4:6) = initial_position
@@ -260,6 +269,27 @@ contains
     call self%evaluate_lanes(places, [(lane == 1, lane=1, lanes)], values)
     value = values(1)
   end function evaluate
+
+  !> The value of a formula that depends on the time alone.
+  function value_at(shared, thread, time) result(value)
+    type(shared_t), intent(inout) :: shared
+    integer, intent(in) :: thread
+    real(dp), intent(in) :: time
+    real(dp) :: value
+    real(dp) :: places(lanes, expression_places), values(lanes)
+    associate (slot => shared%slot(thread))
+      if (.not. (slot%known .and. abs(time - slot%time) <= 0.0_dp)) then
+        if (.not. c_associated(slot%formula)) call formula_bind(slot%formula, shared)
+        places = 0.0_dp
+        places(1, expression_time) = time
+        call formula_values(slot%formula, places, [0_c_int], 1_c_int, values)
+        slot%value = values(1)
+        slot%time = time
+        slot%known = .true.
+      end if
+      value = slot%value
+    end associate
+  end function value_at
 
   !> The values in those lanes that are wanted; zero in the others.
   subroutine evaluate_lanes(self, places, wanted, values)

@@ -41,7 +41,7 @@ module DIM(sgmp_chunk)
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
-                                     linear_scatter_pairs
+                                     linear_scatter_pairs, linear_scatter_slopes
   use DIM(sgmp_settling), only: settling_chunk
   use DIM(sgmp_splitting), only: splitting_choose, splitting_halve
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
@@ -92,7 +92,7 @@ module DIM(sgmp_chunk)
     integer :: span = 1                  !! cells of a bin
     integer :: nq = 0                    !! columns of the moments that are scattered
     integer :: pairs = 0                 !! of these, the first: moments of pairs of centres
-    integer :: plain = 0                 !! of these, all others
+    integer :: plain = 0                 !! of these, those that particles bring otherwise
     ! Columns of the values that particles bring, 0 for those that this sweep does not fill; of what
     ! says `before`, the columns before it.
     integer :: masses = NMASS            !! columns of mass, those of driven particles and the room
@@ -105,7 +105,7 @@ module DIM(sgmp_chunk)
     integer :: square = 0                !! m |v|^2
     integer :: forces = 0                !! before: the forces (MPM, GIMP)
     integer :: flux = 0                  !! before: the flux; MPM, GIMP: behind all others
-    integer :: apart(2) = 0              !! first and last that scatters of their own fill
+    integer :: outside(2) = 0            !! first and last of the forces from outside
     integer :: push = 0                  !! first of the forces of walls that let go
     integer :: volume = 0                !! volume
     integer :: stiffness = 0             !! what they relax by
@@ -232,6 +232,7 @@ contains
     end if
     task%pairs = before - plan%first_column + 1
     task%plain = min(plan%last_column, columns%first(stage_debris) - 1) - before
+    if (columns%apart > 0) task%plain = min(task%plain, columns%apart - 1 - before)
     task%masses = columns%momentum - columns%mass
     task%driven = columns%driven
     task%drives = place(columns%drives)
@@ -240,7 +241,7 @@ contains
     task%swirl = place(columns%swirl)
     task%square = place(columns%square)
     task%forces = min(plan%last_column, columns%force - 1) - before
-    task%apart = [place(columns%apart(1)), place(columns%apart(2))]
+    task%outside = [place(columns%outside(1)), place(columns%outside(2))]
     task%push = place(columns%push)
     task%volume = place(columns%volume)
     task%stiffness = place(columns%stiffness)
@@ -1115,7 +1116,7 @@ contains
     end do
   end subroutine collect
 
-  !> The columns behind: forces at nodes (MPM, GIMP) and levers, which stay open, external forces,
+  !> The columns behind: forces at nodes (MPM, GIMP), which stay open, forces from outside,
   !! volume.
   subroutine collect_rest(mesh, body, plan, task, live, nb, motion, state, values)
     type(mesh_t), intent(in) :: mesh
@@ -1127,12 +1128,12 @@ contains
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
     if (.not. task%centred) values(:, task%forces + 1:task%forces + NDIM) = 0.0_dp
     if (task%volume > 0) values(:, task%volume) = live*state(:, 1)
-    if (task%apart(1) == 0) return
-    values(:, task%apart(1):task%apart(2)) = 0.0_dp
+    if (task%outside(1) == 0) return
+    values(:, task%outside(1):task%outside(2)) = 0.0_dp
     if (task%push > 0) call one_sided_push(mesh, body%walls, live, motion, state, &
                                            values(1, task%push), values(1, task%flux + 1))
     if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
-                                        motion, state, values(1, task%apart(1)))
+                                        motion, state, values(1, task%outside(1)))
   end subroutine collect_rest
 
   !> How fast faces at walls move by the levers of these (OS4).
@@ -1284,17 +1285,11 @@ contains
     integer, intent(in) :: before, cell(lanes)   !! before: columns
     real(dp), intent(in) :: place(lanes, NDIM), levers(lanes, NDIM), force(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: end(lanes, NDIM)
-    integer :: a, b, side
+    integer :: b, d
     do b = 1, NDIM
-      do side = 0, 1
-        end = place
-        end(:, b) = side
-        do a = 1, NDIM
-          call linear_scatter(1, end, cell, (2*side - 1)*(force(:, a)*levers(:, b)), task%nq, &
-                              stencil(1, before + (a - 1)*NDIM + b, 1))
-        end do
-      end do
+      call linear_scatter_slopes([(d == b, d=1, NDIM)], place, cell, &
+                                 spread(levers(:, b), 2, NDIM)*force, NDIM, task%nq, &
+                                 stencil(1, before + b, 1))
     end do
   end subroutine scatter_levers
 
@@ -1334,28 +1329,46 @@ contains
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
     real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM), force(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    integer :: d, q
+    if (mesh%graded) then
+      call scatter_graded_twists(mesh, linear, task, before, motion, way, place, cell, force, &
+                                 stencil)
+      return
+    end if
+    do q = 1, twists(NDIM)
+      call linear_scatter_slopes([(twist_takes(q, d, NDIM), d=1, NDIM)], place, cell, &
+                                 spread(loads_twist(q, place), 2, NDIM)*force, 1, task%nq, &
+                                 stencil(1, before + (q - 1)*NDIM + 1, 1))
+    end do
+  end subroutine scatter_twists
+
+  !> The same of unequal cells, whose levers differ from corner to corner.
+  pure subroutine scatter_graded_twists(mesh, linear, task, before, motion, way, place, cell, &
+                                        force, stencil)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: linear                !! of the body's field
+    type(task_t), intent(in) :: task
+    integer, intent(in) :: before, cell(lanes)   !! before: columns
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
+    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     real(dp) :: ends(lanes, NDIM), lever(lanes)
     real(dp) :: sides(lanes, NDIM), slopes(lanes, NDIM, 2), aside(lanes, NDIM, 2)
-    integer :: a, q, corner, sign
-    if (mesh%graded) then
-      sides = graded_loads_sides(mesh, motion)
-      slopes = graded_loads_slopes(mesh, motion)
-      aside = 0.0_dp
-      if (.not. linear) aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
-    end if
+    integer :: q, corner, sign
+    sides = graded_loads_sides(mesh, motion)
+    slopes = graded_loads_slopes(mesh, motion)
+    aside = 0.0_dp
+    if (.not. linear) aside = mesh%inverse_h*graded_loads_aside(mesh, motion, way)
     do q = 1, twists(NDIM)
       do corner = 0, NCORNER - 1
         call twist_ends(q, corner, place, ends, sign)
         if (sign == 0) cycle
-        lever = loads_twist(q, place)
-        if (mesh%graded) lever = graded_loads_twist(q, corner, place, sides, slopes, aside)
-        do a = 1, NDIM
-          call linear_scatter(1, ends, cell, sign*force(:, a)*lever, task%nq, &
-                              stencil(1, before + (q - 1)*NDIM + a, 1))
-        end do
+        lever = sign*graded_loads_twist(q, corner, place, sides, slopes, aside)
+        call linear_scatter(NDIM, ends, cell, spread(lever, 2, NDIM)*force, task%nq, &
+                            stencil(1, before + (q - 1)*NDIM + 1, 1))
       end do
     end do
-  end subroutine scatter_twists
+  end subroutine scatter_graded_twists
 
   !> Places at the ends of the cell along the axes of a twist, and the sign of their weights in the
   !! derivative along those: 0 where a corner means an end along another axis.
@@ -1464,8 +1477,9 @@ contains
     rest = plain + merge(NDIM, 0, stress)
     if (.not. task%wide) then
       if (plain > 0) call linear_scatter(plain, xi, cell, values, task%nq, stencil)
-      if (rest < task%nq) call linear_scatter(task%nq - rest, xi, cell, values(1, rest + 1), &
-                                              task%nq, stencil(1, rest + 1, 1))
+      if (rest < task%plain) call linear_scatter(task%plain - rest, xi, cell, &
+                                                 values(1, rest + 1), task%nq, &
+                                                 stencil(1, rest + 1, 1))
       if (stress) call linear_scatter_force(xi, cell, task%inverse_h, values(1, task%flux + 1), &
                                             task%nq, stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
@@ -1475,8 +1489,8 @@ contains
     else
       call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
       if (plain > 0) call product_scatter(plain, spread, values, stencil)
-      if (rest < task%nq) call product_scatter(task%nq - rest, spread, values(1, rest + 1), &
-                                            stencil(1, rest + 1, 1))
+      if (rest < task%plain) call product_scatter(task%plain - rest, spread, &
+                                                  values(1, rest + 1), stencil(1, rest + 1, 1))
       if (stress) call product_scatter_force(spread, values(1, task%flux + 1), &
                                              stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC

@@ -50,7 +50,9 @@ module sgmp_columns
     integer :: power = 0         !! above 0: mass times this power of the radius, which changes when
                                  !! a particle is turned back
     logical :: normalised = .false.  !! a stress times volume
-    logical :: apart = .false.   !! chunks leave it empty: a scatter of its own fills it
+    logical :: outside = .false.  !! a force from outside that particles bring
+    logical :: apart = .false.   !! particles do not bring it: a scatter of its own fills it; behind
+                                 !! all others of its stage
     integer :: kept = 0          !! so many of them walls that act keep of what lies behind
     integer :: first = 0         !! its first column
   end type block_t
@@ -89,7 +91,8 @@ module sgmp_columns
     integer :: compliance = 0    !! the compliance w; behind it w p and w p^2
     integer :: debris = 0        !! by which debris collides: mass and momentum of all, mass of what
                                  !! collides, and that times the square of its velocity
-    integer :: apart(2) = 0      !! first and last of those that scatters of their own fill
+    integer :: outside(2) = 0    !! first and last of the forces from outside that particles bring
+    integer :: apart = 0         !! first of those that scatters of their own fill
     integer :: normalised = 0    !! the last of those that are normalised, from the force on
     integer :: behind(3) = 0     !! by axis, what lay behind its walls before it was folded: mass,
                                  !! momentum, force; 0: no wall moves
@@ -189,6 +192,7 @@ contains
     columns%total = sum([(size(columns%blocks(b)%images), b=1, size(columns%blocks))])
     columns%first = columns%total + 1
     columns%apart = 0
+    columns%outside = 0
     columns%normalised = 0
     do b = 1, size(columns%blocks)
       associate (block => columns%blocks(b))
@@ -196,8 +200,9 @@ contains
         last = last + size(block%images)
         columns%first(:block%stage) = min(columns%first(:block%stage), block%first)
         if (block%normalised) columns%normalised = last
-        if (block%apart) columns%apart(2) = last
-        if (block%apart .and. columns%apart(1) == 0) columns%apart(1) = block%first
+        if (block%outside) columns%outside(2) = last
+        if (block%outside .and. columns%outside(1) == 0) columns%outside(1) = block%first
+        if (block%apart .and. columns%apart == 0) columns%apart = block%first
       end associate
     end do
     columns%probed = columns%first(:stage_behind) - 1

@@ -50,11 +50,13 @@ contains
       columns%turns = turns
       columns%remapped = applies(method%drift_remapped, method%drift_solids, solid .and. normalised)
       if (method%swirl) call swirl_ask(columns)
-      call ask_forces(model, kernel, corrected, columns)
+      if (any(model%bodies%forced)) call loads_ask(columns, ndim)
+      call one_sided_ask(columns, model%mesh)
       if (normalised) then
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
       if (method%relaxed) call volumes_ask(columns)
+      call ask_faces(model, kernel, corrected, columns)
       if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build
@@ -65,20 +67,18 @@ contains
     yes = used .and. (solid .or. .not. solids_only)
   end function applies
 
-  !> What forces from outside need.
-  pure subroutine ask_forces(model, kernel, corrected, columns)
+  !> What forces on faces of particles need, behind all that particles bring with the stress.
+  pure subroutine ask_faces(model, kernel, corrected, columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel
     logical, intent(in) :: corrected             !! strains are, at surfaces
     type(columns_t), intent(inout) :: columns
     associate (bodies => model%bodies, ndim => model%mesh%ndim, centred => kernel_centred(kernel))
-      if (any(bodies%forced)) call loads_ask(columns, ndim)
-      call one_sided_ask(columns, model%mesh)
       if (.not. any(bodies%faced)) return
       call loads_ask_faces(columns, ndim, centred)
       if (corrected .and. centred) call surfaces_ask_faces(columns, ndim)
       if (any(bodies%absorbs)) call absorbing_ask(columns, ndim, centred)
     end associate
-  end subroutine ask_forces
+  end subroutine ask_faces
 
 end module sgmp_build_columns

@@ -19,7 +19,7 @@ module DIM(sgmp_scatter)
   use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
-  public :: linear_scatter, linear_scatter_force, linear_scatter_pairs
+  public :: linear_scatter, linear_scatter_force, linear_scatter_pairs, linear_scatter_slopes
   public :: linear_carry, pair_spans, pair_ends
   public :: accumulators, column_sums, stride_of
 
@@ -42,6 +42,10 @@ module DIM(sgmp_scatter)
   real(dp), parameter :: pair_ends(4, 2) = 1.0_dp - lower  !! 1 at the points where a pair ends
 #else
   integer, parameter :: stride_of(3) = [4, 2, 1]
+  !> Weight of a point along an axis at 0, and its slope.
+  real(dp), parameter :: cx(8) = [1, 1, 1, 1, 0, 0, 0, 0], sx(8) = [-1, -1, -1, -1, 1, 1, 1, 1]
+  real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
+  real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
   !> 1 at the points where a pair, or a quad, ends.
   real(dp), parameter :: pair_ends(8, 6) = reshape([ &
     0, 0, 0, 0, 1, 1, 1, 1,   0, 0, 1, 1, 0, 0, 1, 1,   0, 1, 0, 1, 0, 1, 0, 1, &
@@ -82,6 +86,38 @@ contains
       end do
     end do
   end subroutine linear_scatter
+
+  !> Adds the particles' values times the derivatives of the weights along some axes (per cell of
+  !! each), one value to a column every `apart`; pads must bring zeros.
+  pure subroutine linear_scatter_slopes(along, xi, cell, values, apart, columns, sums)
+    logical, intent(in) :: along(NDIM)             !! axes of the derivatives
+    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the cell
+    integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
+    real(dp), intent(in) :: values(lanes, NDIM)
+    integer, intent(in) :: apart, columns          !! columns of an accumulator
+    real(dp), intent(inout) :: sums(column_sums, columns, 0:*)
+    real(dp) :: w(NCORNER)
+    integer :: l, q, d, e, first, odd
+    do l = 1, lanes
+      if (cell(l) < 0) exit
+      first = NROW*cell(l)
+      odd = iand(cell(l), 1)
+      w = 1.0_dp
+      do d = 1, NDIM
+        !$omp simd
+        do e = 1, NCORNER
+          w(e) = w(e)*merge(upward(e, d), lower(e, d) + upward(e, d)*xi(l, d), along(d))
+        end do
+      end do
+      do q = 1, NDIM
+        !$omp simd simdlen(NCORNER)
+        do e = 1, NCORNER
+          sums(first + e, 1 + (q - 1)*apart, odd) = sums(first + e, 1 + (q - 1)*apart, odd) + &
+                                                    w(e)*values(l, q)
+        end do
+      end do
+    end do
+  end subroutine linear_scatter_slopes
 
   !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11); pads must
   !! bring zeros.
@@ -140,8 +176,6 @@ contains
     real(dp), intent(out) :: w(NCORNER, lanes)
     integer :: l, e
     real(dp), parameter :: layer(8) = [0, 0, 0, 0, 1, 1, 1, 1]
-    real(dp), parameter :: cy(8) = [1, 1, 0, 0, 1, 1, 0, 0], sy(8) = [-1, -1, 1, 1, -1, -1, 1, 1]
-    real(dp), parameter :: cz(8) = [1, 0, 1, 0, 1, 0, 1, 0], sz(8) = [-1, 1, -1, 1, -1, 1, -1, 1]
     real(dp) :: yz, upper
     do l = 1, lanes
       !$omp simd simdlen(8) private(yz, upper)
@@ -152,6 +186,51 @@ contains
       end do
     end do
   end subroutine point_weights
+
+  !> The same of their derivatives along some axes (per cell of each).
+  pure subroutine point_slopes(along, xi, w)
+    logical, intent(in) :: along(NDIM)
+    real(dp), intent(in) :: xi(lanes, NDIM)
+    real(dp), intent(out) :: w(NCORNER, lanes)
+    real(dp) :: base(NDIM), x(lanes, NDIM)
+    integer :: l, e, d
+    base = merge(0.0_dp, 1.0_dp, along)
+    do d = 1, NDIM
+      x(:, d) = merge(1.0_dp, xi(:, d), along(d))
+    end do
+    do l = 1, lanes
+      !$omp simd simdlen(8)
+      do e = 1, NCORNER
+        w(e, l) = (cx(e)*base(1) + sx(e)*x(l, 1))*(cy(e)*base(2) + sy(e)*x(l, 2))* &
+                  (cz(e)*base(3) + sz(e)*x(l, 3))
+      end do
+    end do
+  end subroutine point_slopes
+
+  !> Adds the particles' values times the derivatives of the weights along some axes (per cell of
+  !! each), one value to a column every `apart`; pads must bring zeros.
+  pure subroutine linear_scatter_slopes(along, xi, cell, values, apart, columns, sums)
+    logical, intent(in) :: along(NDIM)             !! axes of the derivatives
+    real(dp), intent(in) :: xi(lanes, NDIM)        !! position in the stencil's cell
+    integer, intent(in) :: cell(lanes)             !! the bin's only one, 0
+    real(dp), intent(in) :: values(lanes, NDIM)
+    integer, intent(in) :: apart, columns          !! columns of the accumulator
+    real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)
+    real(dp) :: w(NCORNER, lanes)
+    integer :: e, q
+    call point_slopes(along, xi, w)
+    do q = 1, NDIM
+      associate (sum => sums(:, 1 + (q - 1)*apart, cell(1)))
+        !$omp simd
+        do e = 1, NCORNER
+          sum(e) = sum(e) + &
+            w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + w(e, 3)*values(3, q) + &
+            w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + w(e, 6)*values(6, q) + &
+            w(e, 7)*values(7, q) + w(e, 8)*values(8, q)
+        end do
+      end associate
+    end do
+  end subroutine linear_scatter_slopes
 
   !> Adds the particles' values to the accumulator of their stencil (Eqs. 21-23); pads must bring
   !! zeros.

@@ -69,15 +69,21 @@ contains
     real(dp), intent(out) :: way(lanes, NDIM)      !! (cells)
     logical, intent(out) :: some                   !! there are faces
     real(dp) :: places(lanes, expression_places), area(lanes, NDIM), square(lanes), weight(lanes)
+    real(dp) :: pressure(lanes)
     integer :: d
-    area = state(:, load%column:load%column + NDIM - 1)
-    square = live*sum(area**2, dim=2)
+    square = 0.0_dp
+    do d = 1, NDIM
+      area(:, d) = live*state(:, load%column + d - 1)
+      square = square + area(:, d)**2
+    end do
     some = any(square > 0.0_dp)
     force = 0.0_dp
     way = 0.0_dp
     if (.not. some) return
     weight = 0.5_dp*mesh%inverse_h*state(:, body%law%slots%volume)/max(square, tiny(1.0_dp))
-    way = spread(merge(weight, 0.0_dp, square > 0.0_dp), 2, NDIM)*area
+    do d = 1, NDIM
+      way(:, d) = weight*area(:, d)
+    end do
     call take_places(mesh, body, time, nb, motion, state, places)
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
     if (mesh%graded) way = way/graded_loads_sides(mesh, motion)
@@ -85,10 +91,12 @@ contains
     case (load_absorbing)
       call edge_force(load, nb, state, sqrt(square), force)
     case (load_blast)
-      call add_blast(load, time, places, spread(live, 2, NDIM)*area, force)
+      call add_blast(load, time, places, area, force)
     case (load_pressure)
+      pressure = 0.0_dp
+      call add_force(load%value(1), places, merge(1.0_dp, 0.0_dp, square > 0.0_dp), pressure)
       do d = 1, NDIM
-        call add_force(load%value(1), places, -live*area(:, d), force(:, d))
+        force(:, d) = -pressure*area(:, d)
       end do
     case default  ! load_traction
       do d = 1, NDIM

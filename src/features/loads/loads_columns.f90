@@ -12,7 +12,7 @@ contains
   pure subroutine loads_ask(columns, ndim)
     type(columns_t), intent(inout) :: columns
     integer, intent(in) :: ndim
-    call columns_ask(columns, block_t('external', stage_stress, along_axes(ndim), apart=.true.))
+    call columns_ask(columns, block_t('external', stage_stress, along_axes(ndim), outside=.true.))
   end subroutine loads_ask
 
   !> That on faces of particles; centres need its levers, component by component along each axis.

@@ -20,7 +20,7 @@ contains
     if (.not. any(acts)) return
     allocate (images(count(acts)))
     if (acts(1)) images(1) = image_radial()
-    call columns_ask(columns, block_t('push', stage_stress, images, apart=.true.))
+    call columns_ask(columns, block_t('push', stage_stress, images, outside=.true.))
   end subroutine one_sided_ask
 
   !> Components of the forces of such walls: all where some are rough.
