@@ -50,8 +50,7 @@ contains
       columns%turns = turns
       columns%remapped = applies(method%drift_remapped, method%drift_solids, solid .and. normalised)
       if (method%swirl) call swirl_ask(columns)
-      if (any(model%bodies%forced)) call loads_ask(columns, ndim)
-      call one_sided_ask(columns, model%mesh)
+      call ask_forces(model, columns)
       if (normalised) then
         call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
       end if
@@ -66,6 +65,14 @@ contains
     logical, intent(in) :: used, solids_only, solid
     yes = used .and. (solid .or. .not. solids_only)
   end function applies
+
+  !> What forces from outside need that particles bring.
+  pure subroutine ask_forces(model, columns)
+    type(model_t), intent(in) :: model
+    type(columns_t), intent(inout) :: columns
+    if (any(model%bodies%forced)) call loads_ask(columns, model%mesh%ndim)
+    call one_sided_ask(columns, model%mesh)
+  end subroutine ask_forces
 
   !> What forces on faces of particles need, behind all that particles bring with the stress.
   pure subroutine ask_faces(model, kernel, corrected, columns)

@@ -193,31 +193,61 @@ output csv at=end fields=displacement,initial_position,mass
 
 
 class Pressed(Truth):
-    """A block at any angle under a pressure on all faces, damped to rest: mean stress and energy."""
+    """A body of any shape, at any angle, under a pressure on all faces, damped to rest: mean stress and energy."""
+
+    SHAPES = {
+        "2": (
+            "block lower=(0,0) upper=({wide},{n})", "sphere centre=(0,0) radius={half}",
+            "block lower=(0,0) upper=({wide},{n}) ADD block lower=(0,{n}) upper=({n},{wide})",
+        ),
+        "3": (
+            "block lower=(0,0,0) upper=({wide},{n},{n})", "cylinder radius={half} length={n}",
+            "sphere centre=(0,0,0) radius={half}",
+        ),
+        "axisymmetric": ("block lower=(0,0) upper=({n},{n})", "sphere centre=(0,0) radius={half}"),
+    }
 
     def make(self):
-        self.cells = self.luck.choice((3, 4, 6))
+        self.space = self.luck.choice(("2", "2", "3", "axisymmetric"))
+        self.cells = self.luck.choice((3, 4, 6) if self.space != "3" else (3, 4))
         angle, self.nu = self.luck.choice((0, self.luck.uniform(0, 90))), self.luck.choice((0, 0.3))
-        self.area, self.p = 2*self.cells**2, 1e-3
-        sides = "".join(f'pressure m face={face} p="{self.p}*min(t/60,1)"\n' for face in ("x-", "x+", "y-", "y+"))
-        x, y = self.luck.random(), self.luck.random()
+        shape, self.p = self.luck.choice(self.SHAPES[self.space]), 1e-3
+        shape = shape.format(n=self.cells, wide=2*self.cells, half=0.5*self.cells)
+        first, _, more = shape.partition(" ADD ")
+        ramp = f'p="{self.p}*min(t/60,1)"'
+        cards = f"pressure m {ramp}\n"
+        if self.luck.random() < 0.3 and "block" in shape:
+            axes = "rz" if self.space == "axisymmetric" else "xyz"[:int(self.space)]
+            cards = "".join(f"pressure m face={axis}{side} {ramp}\n" for axis in axes for side in "-+"
+                            if axis + side != "r-")
+        turn = ""
+        if self.space != "axisymmetric":
+            turn = f" rotation={angle} pivot=({','.join(str(self.luck.random()) for _ in range(int(self.space)))})"
+            if self.space == "3":
+                turn += f" rotation_axis=(1,{self.luck.random()},{self.luck.random()})"
         self.decks = [
-            f"""dimension 2
+            f"""dimension {self.space}
 grid cell=1
 METHOD
 time end=150 cfl=0.5
 damping rate=0.15
 material m elastic density=1 young=1 poisson={self.nu}
-body m block material=m lower=({x},{y}) upper=({x + 2*self.cells},{y + self.cells}) ppc=2 rotation={angle}
-{sides}history steps=20
-output csv at=end fields=stress
+body m {first} material=m ppc=2{turn}
+{f"add m {more}" if more else ""}
+{cards}history steps=20
+output csv at=end fields=stress,mass
 """
         ]
 
     def errors(self, results):
         rows = results[0].rows
-        mean = [sum(row[f"stress_{a}"] for row in rows)/len(rows)/self.p + 1 for a in ("xx", "yy")]
-        energy = self.p**2*(1 + self.nu)*(1 - 2*self.nu)*self.area
+        volume = sum(row["mass"] for row in rows)
+        keys = ("xx", "yy") if self.space == "2" else ("xx", "yy", "zz")
+        mean = [sum(row[f"stress_{a}"]*row["mass"] for row in rows)/volume/self.p + 1 for a in keys]
+        if self.space == "2":
+            energy = self.p**2*(1 + self.nu)*(1 - 2*self.nu)*volume
+        else:
+            energy = self.p**2*1.5*(1 - 2*self.nu)*volume
         return [
             ("mean stress", max(mean, key=abs), 0.05),
             ("energy", results[0].history[-1]["internal_energy"] / energy - 1, 0.1),

@@ -80,7 +80,8 @@ contains
     force = 0.0_dp
     way = 0.0_dp
     if (.not. some) return
-    weight = 0.5_dp*mesh%inverse_h*state(:, body%law%slots%volume)/max(square, tiny(1.0_dp))
+    weight = 0.5_dp*mesh%inverse_h*state(:, body%law%slots%volume)/ &
+             merge(square, 1.0_dp, square > 0.0_dp)
     do d = 1, NDIM
       way(:, d) = weight*area(:, d)
     end do

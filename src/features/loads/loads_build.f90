@@ -8,7 +8,7 @@ module sgmp_loads_build
   use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
   use sgmp_kinds, only: dp, lanes
   use sgmp_lattice, only: lattice_t, lattice_tolerance
-  use sgmp_load, only: load_absorbing, load_blast, load_force, load_t
+  use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_material_history, only: slots_ask
   use sgmp_mesh, only: mesh_place, mesh_places, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
@@ -84,10 +84,11 @@ contains
     end do
   end subroutine loads_add_columns
 
-  !> Axes along which faces look that act on a particle at one place, a set a column: of the faces
-  !! of a block those along each axis, since a particle at its edge shows two faces; of a straight
-  !! cylinder its ends, and the stairs around it. Elsewhere one set: the faces of stairs stand for
-  !! one that is oblique.
+  !> Axes along which faces look that act on a particle at one place, a set a column. Pressure acts
+  !! along each axis by itself: so the forces on any lattice balance a uniform stress. What depends
+  !! on the size of an area or on where it looks acts so on the faces of a block, and on the ends of
+  !! a straight cylinder and the stairs around it; elsewhere on all at once, since the faces of
+  !! stairs stand for one that is oblique.
   pure function faces_together(card, body, ndim) result(along)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: body
@@ -103,10 +104,10 @@ contains
       along(:, 1) = [(a == card%axis, a=1, 3)]
       return
     end if
-    if (size(body%shapes) == 0 .or. any(turn_turns(body%shapes%turn))) return
-    if (all(body%shapes%kind == shape_block)) then
+    if (card%kind == load_pressure .or. all(body%shapes%kind == shape_block .and. &
+                                            .not. turn_turns(body%shapes%turn))) then
       along = reshape([((a == b, a=1, 3), b=1, ndim)], [3, ndim])
-    else if (size(body%shapes) == 1) then
+    else if (size(body%shapes) == 1 .and. .not. turn_turns(body%shapes(1)%turn)) then
       ends = abs(body%shapes(1)%axis) > straight .and. &
              any(body%shapes(1)%kind == [shape_cylinder, shape_ring])
       if (any(ends(:ndim))) along = reshape([ends, .not. ends], [3, 2])

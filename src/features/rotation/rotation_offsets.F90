@@ -59,7 +59,7 @@ contains
             if (held(i)) offset(i, :) = 0.0_dp
           end do
         end if
-        do i = 1, n  ! after walls: across those every node of a body has an offset before it is held
+        do i = 1, n  ! after walls: across those all nodes have an offset before they are held
           if (all(abs(offset(i, :)) < field%rotation%least_offset)) offset(i, :) = 0.0_dp
         end do
         call keep_offsets(n, field%neighbour(0, 0, s) + first - 1, offset, field)
