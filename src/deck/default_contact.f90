@@ -4,7 +4,7 @@
 !!
 !! * solids touch without friction;
 !! * but those that share a surface at the start and move alike there are bonded, as by a `group`;
-!! * a solid and a liquid touch, unless the liquid lies on it at the start and moves with it.
+!! * a solid and a liquid touch; in one dimension unless they lie on each other and move alike.
 !!
 !! Where any of these touch, solids touch gases, too; where none does, all bodies share one field.
 !! Of more than 64 bodies or groups none touches: a field for each would be dear.
@@ -59,8 +59,12 @@ contains
       do b = a + 1, size(scene%bodies)
         if (.not. concerns(scene, a, b)) cycle
         if (is_named(scene, a, b) .or. in_one_group(scene, a, b)) cycle
+        if (is_liquid(scene, a) .or. is_liquid(scene, b)) then
+          apart(a, b) = scene%dimension > 1 .or. .not. are_bonded(scene, a, b)
+          cycle
+        end if
         apart(a, b) = .not. are_bonded(scene, a, b)
-        if (apart(a, b) .or. is_liquid(scene, a) .or. is_liquid(scene, b)) cycle
+        if (apart(a, b)) cycle
         apart(a, b) = .not. may_share(scene, a, b)
         if (.not. apart(a, b)) call join(scene, a, b)
       end do

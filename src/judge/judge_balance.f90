@@ -81,7 +81,7 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: reason
     if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
-    if (model%method%surfaces) return
+    if (all(model%fields%columns%corrected)) return
     if (model%ledger%damped_share <= coarse_unfelt) return
     reason = 'nodes push with forces that no particle feels: projection has lost '// &
              real_text(model%ledger%damped_share)//' times the energy that the scene was '// &

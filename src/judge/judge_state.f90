@@ -184,7 +184,8 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: body            !! the thinnest solid; 0: none
     real(dp), intent(in) :: thickness      !! its own, in cells
-    if (body == 0 .or. model%mesh%ndim == 1 .or. model%method%surfaces) return
+    if (body == 0 .or. model%mesh%ndim == 1) return
+    if (model%fields(model%bodies(body)%field)%columns%corrected) return
     if (kernel_centred(model%fields(1)%kernel) .and. thickness < plain_thickness .and. &
         model%mesh%space /= space_axisymmetric) then
       call opinion%expect(thin_error, thin_text(model, body, thickness)//', and plain strains '// &

@@ -5,6 +5,8 @@ module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
+  use sgmp_constitutive, only: law_bends, law_is_spherical, law_liquid
+  use sgmp_debris, only: debris_possible
   use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
   use sgmp_kernels, only: kernel_centred
@@ -21,19 +23,23 @@ module sgmp_build_columns
 
 contains
 
-  !> Columns of a field in which solids move, or none, and so many parts of bodies are driven.
-  pure function columns_build(model, kernel, solid, bends, crumbles, averages, parts) &
-    result(columns)
+  !> Columns of a field in which some bodies move, of which so many parts are driven.
+  pure function columns_build(model, kernel, moves, parts) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
-    logical, intent(in) :: solid, bends          !! some is no soil
-    logical, intent(in) :: crumbles              !! something in it can come apart
-    logical, intent(in) :: averages              !! or averages its plastic strain
+    logical, intent(in) :: moves(:)              !! by body
     type(columns_t) :: columns
-    logical :: corrected, turns, normalised
+    logical :: solid, bends, flows, crumbles, averages, corrected, turns, normalised
     integer :: a
+    solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
+    bends = any(moves .and. law_bends(model%bodies%law))  ! some is no soil
+    flows = any(moves .and. law_liquid(model%bodies%law))
+    crumbles = any(moves .and. debris_possible(model%bodies%law))
+    averages = any(moves .and. model%bodies%law%history%averaged)
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
-      corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, solid)
+      ! Liquids move with the divergence of plain strains (doc/volumes.md, 7).
+      corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, &
+                                         solid .and. .not. flows)
       ! In unequal cells exact rotation moves what has next to no strength (doc/grids.md, 2).
       turns = applies(method%rotation, method%rotation_solids, &
                       merge(bends, solid, model%mesh%graded))

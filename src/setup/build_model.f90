@@ -690,7 +690,7 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
-    logical :: solid, bends, crumbles, moves(size(model%bodies))
+    logical :: solid, bends, moves(size(model%bodies))
     integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
     call driven_number(model, parts, terms)
@@ -699,10 +699,8 @@ contains
       moves = model%bodies%field == f .and. .not. model%bodies%rigid
       solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
       bends = any(moves .and. law_bends(model%bodies%law))
-      crumbles = any(moves .and. debris_possible(model%bodies%law))
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, solid, bends, crumbles, &
-                                    any(moves .and. model%bodies%law%history%averaged), parts(f)))
+                      columns_build(model, kernel, moves, parts(f)))
       model%fields(f)%drive_terms = terms(f)
       model%fields(f)%gaps = solid
       model%fields(f)%linear = bends

@@ -1,6 +1,7 @@
-"""More classes of tests/fuzz/_truths.py: water between explosives and metals. The truth is the Lagrangian code of
-_lagrange.py."""
+"""More classes of tests/fuzz/_truths.py: water between explosives and metals, of which the truth is the Lagrangian code
+of _lagrange.py, and under what floats on it."""
 from _lagrange import Water
+from _truths import Truth, body_end
 from _truths_layers import METALS, Matter, Shell, Stack, metal, tnt
 
 
@@ -61,4 +62,34 @@ class Well(Shell):
         )
 
 
-CLASSES = (Sea, Well)
+class Float(Truth):
+    """A light block that is set on water: how deep it floats (half of it, beside a plane of symmetry)."""
+
+    def make(self):
+        luck = self.luck
+        self.cells, self.share = luck.choice((4, 6)), luck.uniform(0.2, 0.8)
+        h, self.half, self.deep = 1/self.cells, luck.choice((1, 1.5)), luck.choice((2, 3))
+        self.wide = self.half + luck.choice((1, 2))
+        self.decks = [f"""dimension 2
+grid cell={h} x=0:{self.wide} y=0:open
+wall x-=slip x+=slip y-=slip
+METHOD
+time end=30 cfl=0.5
+damping rate=1
+gravity (0,-1)
+material w fluid density=1
+eos w tait c0=15
+initial_stress w surface={self.deep}
+material m elastic density={self.share} young=200 poisson=0.3
+body w block material=w lower=(0,0) upper=({self.wide},{self.deep}) ppc=2
+body m block material=m lower=(0,{self.deep}) upper=({self.half},{self.deep + 1}) ppc=2
+history steps=50
+"""]
+
+    def errors(self, results):
+        # The block is 1 high; what it displaces lifts the surface.
+        middle = self.deep + self.share*self.half/self.wide - self.share + 0.5
+        return [("height", body_end(results[0], "m", "y") - middle, 0.1)]
+
+
+CLASSES = (Sea, Well, Float)
