@@ -5,7 +5,7 @@ module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
-  use sgmp_constitutive, only: law_bends, law_is_spherical, law_liquid
+  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_liquid
   use sgmp_debris, only: debris_possible
   use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
@@ -21,6 +21,15 @@ module sgmp_build_columns
   private
   public :: columns_build
 
+  !> What some of the bodies of a field are.
+  type :: matter_t
+    logical :: solid = .false.
+    logical :: bends = .false.      !! solids that are no soils
+    logical :: flows = .false.      !! liquids
+    logical :: crumbles = .false.   !! what can come apart
+    logical :: averages = .false.   !! what averages its plastic strain
+  end type matter_t
+
 contains
 
   !> Columns of a field in which some bodies move, of which so many parts are driven.
@@ -29,42 +38,58 @@ contains
     integer, intent(in) :: kernel, parts
     logical, intent(in) :: moves(:)              !! by body
     type(columns_t) :: columns
-    logical :: solid, bends, flows, crumbles, averages, corrected, turns, normalised
+    type(matter_t) :: matter
+    logical :: corrected, turns, normalised
     integer :: a
-    solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
-    bends = any(moves .and. law_bends(model%bodies%law))  ! some is no soil
-    flows = any(moves .and. law_liquid(model%bodies%law))
-    crumbles = any(moves .and. debris_possible(model%bodies%law))
-    averages = any(moves .and. model%bodies%law%history%averaged)
-    associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space)
+    matter = matter_of(model%bodies%law, moves)
+    associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space, &
+               solid => matter%solid)
       ! Liquids move with the divergence of plain strains (doc/volumes.md, 7).
       corrected = ndim > 1 .and. applies(method%surfaces, method%surfaces_solids, &
-                                         solid .and. .not. flows)
+                                         solid .and. .not. matter%flows)
       ! In unequal cells exact rotation moves what has next to no strength (doc/grids.md, 2).
       turns = applies(method%rotation, method%rotation_solids, &
-                      merge(bends, solid, model%mesh%graded))
+                      merge(matter%bends, solid, model%mesh%graded))
       normalised = applies(method%normalised, method%normalised_solids, solid)
       columns = columns_make(space, kernel)
       if (parts > 0) then
         call columns_ask(columns, block_t('drives', stage_mass, [(image_t(), a=1, parts)]))
       end if
-      if (averages) call columns_ask(columns, block_t('average', stage_mass, &
+      if (matter%averages) call columns_ask(columns, block_t('average', stage_mass, &
                                                      [(image_t(), a=1, averaging_sums)]))
       if (corrected .or. turns) call pairs_ask(columns, ndim)
       if (corrected) call surfaces_ask(columns, ndim)
-      if (crumbles .and. (corrected .or. turns .or. normalised)) call room_ask(columns)
+      if (matter%crumbles .and. (corrected .or. turns .or. normalised)) call room_ask(columns)
       columns%turns = turns
       columns%remapped = applies(method%drift_remapped, method%drift_solids, solid .and. normalised)
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, columns)
-      if (normalised) then
-        call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
-      end if
-      if (method%relaxed) call volumes_ask(columns)
+      call ask_volumes(model, normalised, columns)
       call ask_faces(model, kernel, corrected, columns)
       if (method%debris_speed > 0.0_dp) call debris_ask(columns, ndim)
     end associate
   end function columns_build
+
+  !> What the volumes of particles need.
+  pure subroutine ask_volumes(model, normalised, columns)
+    type(model_t), intent(in) :: model
+    logical, intent(in) :: normalised            !! the stress is
+    type(columns_t), intent(inout) :: columns
+    if (normalised) call columns_ask(columns, block_t('volume', stage_stress, [image_t()]))
+    if (model%method%relaxed) call volumes_ask(columns)
+  end subroutine ask_volumes
+
+  !> What moves in a field.
+  pure function matter_of(laws, moves) result(matter)
+    type(constitutive_t), intent(in) :: laws(:)  !! by body
+    logical, intent(in) :: moves(:)
+    type(matter_t) :: matter
+    matter%solid = any(moves .and. .not. law_is_spherical(laws))
+    matter%bends = any(moves .and. law_bends(laws))
+    matter%flows = any(moves .and. law_liquid(laws))
+    matter%crumbles = any(moves .and. debris_possible(laws))
+    matter%averages = any(moves .and. laws%history%averaged)
+  end function matter_of
 
   !> Whether a field has what a method uses, which may be for solids only.
   pure logical function applies(used, solids_only, solid) result(yes)

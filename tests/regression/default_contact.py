@@ -36,6 +36,23 @@ body right block material=m lower=1 upper=1.5
 velocity hammer x=0.01
 history steps=20
 """
+# Half of a block that is set on water, beside a plane of symmetry.
+FLOATS = """
+dimension 2
+grid cell=0.25 x=0:2 y=0:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=30 cfl=0.5
+damping rate=1
+gravity (0,-1)
+material w fluid density=1
+eos w tait c0=15
+initial_stress w surface=2
+material m elastic density=0.5 young=200 poisson=0.3
+body w block material=w lower=(0,0) upper=(2,2) ppc=2
+body m block material=m lower=(0,2) upper=(1,3) ppc=2
+history steps=50
+"""
 # A plate falls on another, and is lifted again.
 LIFTED = """
 dimension 2
@@ -191,6 +208,20 @@ def jet():
     report.check("particles of solids longer than 0.75 cells are split, one in 16 at most" in text, text)
 
 
+def floats():
+    """A light block that is set on water floats as deep as it should; where they are bonded strains are plain."""
+    result = run("floats", FLOATS)
+    if report.finished(result, "floats"):
+        height = 2 + 0.5*1/2 - 0.5 + 0.5  # the surface is lifted by what the block displaces
+        middle = [row["y"] for row in result.table("bodies.csv") if row["name"] == "m"][-1]
+        report.check(abs(middle - height) < 0.1, f"floats: at {middle}, not {height}")
+        report.check(result["contact"] == "default", f"floats: contact {result['contact']}")
+    for words, expected in (("", "plain"), (" surfaces=corrected", "corrected")):
+        deck = FLOATS.replace("end=30", "end=0.1").replace("sgmp", "sgmp" + words)
+        bonded = run("floats_bonded", deck + "group one w,m\n")
+        report.check(bonded["surfaces"] == expected, f"floats, bonded{words}: surfaces {bonded['surfaces']}")
+
+
 def told():
     """--check says what is done."""
     deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
@@ -206,5 +237,6 @@ lifted()
 slug()
 rows()
 jet()
+floats()
 told()
 report.end()
