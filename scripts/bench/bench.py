@@ -156,6 +156,8 @@ OPTIONS = [
     block("gravity", cards="gravity (0,0,-9.81e-3)"),
     block("viscosity", cards="viscosity"),
     block("bodyforce, a formula", cards='bodyforce block x="1e-3*sin(x)"'),
+    block("bodyforce, a formula of time", cards='bodyforce block x="1e-3*sin(t)"'),
+    block("pressure, a formula of time", cards='pressure block p="1e-3*sin(t)"'),
     block("history every step", cards="history"),
 ]
 

@@ -30,8 +30,8 @@ module DIM(sgmp_chunk)
   use sgmp_kinds, only: dp, i4, lanes
   use sgmp_load, only: load_absorbing, load_force, load_t
   use DIM(sgmp_loads), only: loads_book, loads_book_strain, loads_halve, loads_impedance, &
-                             loads_levers, loads_on_faces, loads_on_mass, loads_spring, &
-                             loads_strain, loads_twist
+                             loads_levers, loads_on_faces, loads_on_mass, loads_some, &
+                             loads_spring, loads_strain, loads_twist
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
@@ -290,7 +290,7 @@ contains
 #endif
     real(dp) :: change(lanes, NDIM), heat(lanes)
     real(dp) :: jumps(lanes, 3, size(body%walls))
-    logical :: outside, erodes, eroded(lanes), collides, leaves(lanes)
+    logical :: outside, erodes, eroded(lanes), collides, faced, leaves(lanes)
     if (plan%loose) then
       call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
                        stencil, lane_sums)
@@ -323,7 +323,9 @@ contains
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
       call drive(mesh, body, plan, task, task%live(1, nl), nb, motion, state, got, work)
     end if
-    if ((plan%kick .or. plan%drift) .and. body%faced) then
+    faced = body%faced
+    if (faced) faced = loads_some(body, nb, state)
+    if ((plan%kick .or. plan%drift) .and. faced) then
       call book_faces(mesh, body, plan, task, task%live(1, nl), got, nb, motion, state, lane_sums)
     end if
     collides = .false.
@@ -396,7 +398,7 @@ contains
       call one_sided_strain(mesh, body%walls, task%live(1, nl), motion, state, &
                             plan%dt_strain, got(1, task%gradient), jumps, lane_sums)
     end if
-    if (body%faced .and. plan%strain) then
+    if (faced .and. plan%strain) then
       call loads_strain(body, plan%dt_strain, got(1, task%gradient), nb, state)
       call loads_book_strain(mesh, body, plan%time, plan%dt_strain, task%live(1, nl), &
                              got(1, task%gradient), nb, motion, state, lane_sums)
@@ -465,7 +467,7 @@ contains
     if (task%push > 0 .and. task%centred) then
       call scatter_walls(mesh, body%walls, task, id, motion, state, nb, xi, cell, stencil)
     end if
-    if (body%faced .and. plan%faces > 0) then
+    if (faced .and. plan%faces > 0) then
       call scatter_faces(mesh, body, plan, task, id, nb, motion, state, xi, cell, axes, stencil)
     end if
   end subroutine chunk_advance

@@ -27,7 +27,7 @@ module DIM(sgmp_loads)
   implicit none
   private
   public :: loads_book, loads_book_strain, loads_halve, loads_impedance, loads_levers, &
-            loads_on_faces, loads_on_mass, loads_spring, loads_strain, loads_twist
+            loads_on_faces, loads_on_mass, loads_some, loads_spring, loads_strain, loads_twist
 
 contains
 
@@ -55,6 +55,23 @@ contains
       end associate
     end do
   end subroutine loads_on_mass
+
+  !> Whether some particle of a chunk has a face that a load acts on.
+  pure function loads_some(body, nb, state) result(some)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: nb
+    real(dp), intent(in) :: state(lanes, nb)
+    logical :: some
+    integer :: i, d
+    some = .true.
+    do i = 1, size(body%loads)
+      if (body%loads(i)%kind == load_force) cycle
+      do d = body%loads(i)%column, body%loads(i)%column + NDIM - 1
+        if (any(abs(state(:, d)) > 0.0_dp)) return
+      end do
+    end do
+    some = .false.
+  end function loads_some
 
   !> Pressure, traction or air blast on the faces of a chunk: force, and the way from the centres to
   !! where it acts; zero where there are no faces.
