@@ -1,7 +1,7 @@
 !> What the balances of energy, mass and momentum say about a run (doc/verdict.md).
 module sgmp_judge_balance
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
-  use sgmp_constitutive, only: eos_none, law_is_springy
+  use sgmp_constitutive, only: eos_none, law_is_spherical, law_is_springy
   use sgmp_energy, only: ledger_drift
   use sgmp_energy_terms, only: terms_value
   use sgmp_kernels, only: kernel_centred, kernel_mpm
@@ -81,7 +81,7 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: reason
     if (.not. model%method%damped .or. model%method%flip < 1.0_dp) return
-    if (all(model%fields%columns%corrected)) return
+    if (model%method%surfaces .and. .not. plain_solids(model)) return
     if (model%ledger%damped_share <= coarse_unfelt) return
     reason = 'nodes push with forces that no particle feels: projection has lost '// &
              real_text(model%ledger%damped_share)//' times the energy that the scene was '// &
@@ -93,6 +93,20 @@ contains
       call opinion%expect(unfelt_error, reason)
     end if
   end subroutine judge_noise
+
+  !> Whether a solid moves in a field whose strains are not corrected at surfaces.
+  pure function plain_solids(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    integer :: b
+    yes = .false.
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        if (body%rigid .or. law_is_spherical(body%law)) cycle
+        yes = yes .or. .not. model%fields(body%field)%columns%corrected
+      end associate
+    end do
+  end function plain_solids
 
   !> Elastic bodies that have been under stress for long, where particles move with another velocity
   !! than the one that strains them: their stress turns into noise (doc/surfaces.md, 7).

@@ -1235,9 +1235,12 @@ contains
           call scatter_aside(mesh, task, plan%faces + NDIM, motion, way, xi + way, cell, force, &
                              stencil)
         end if
-        if (plan%corrected) call scatter_twists(mesh, body%linear, task, &
-                                                plan%faces + NDIM + NDIM**2, motion, way, &
-                                                xi + way, cell, force, stencil)
+        if (plan%corrected .and. mesh%graded) then
+          call scatter_graded_twists(mesh, body%linear, task, plan%faces + NDIM + NDIM**2, &
+                                     motion, way, xi + way, cell, force, stencil)
+        else if (plan%corrected) then
+          call scatter_twists(task, plan%faces + NDIM + NDIM**2, xi + way, cell, force, stencil)
+        end if
       end if
       if (body%loads(i)%kind == load_absorbing) call scatter_impedance(mesh, body%linear, &
                                         body%loads(i), plan, task, id, nb, motion, state, xi, &
@@ -1322,21 +1325,12 @@ contains
 
   !> Adds force times two and three levers to the centres, for the products of the functions that
   !! stresses see along the axes (sgmp_loads): the derivatives along all axes of a twist, as above.
-  pure subroutine scatter_twists(mesh, linear, task, before, motion, way, place, cell, force, &
-                                 stencil)
-    type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: linear                !! of the body's field
+  pure subroutine scatter_twists(task, before, place, cell, force, stencil)
     type(task_t), intent(in) :: task
     integer, intent(in) :: before, cell(lanes)   !! before: columns
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
-    real(dp), intent(in) :: way(lanes, NDIM), place(lanes, NDIM), force(lanes, NDIM)
+    real(dp), intent(in) :: place(lanes, NDIM), force(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
     integer :: d, q
-    if (mesh%graded) then
-      call scatter_graded_twists(mesh, linear, task, before, motion, way, place, cell, force, &
-                                 stencil)
-      return
-    end if
     do q = 1, twists(NDIM)
       call linear_scatter_slopes([(twist_takes(q, d, NDIM), d=1, NDIM)], place, cell, &
                                  spread(loads_twist(q, place), 2, NDIM)*force, 1, task%nq, &

@@ -19,7 +19,7 @@ module sgmp_build_columns
   use sgmp_volumes_columns, only: volumes_ask
   implicit none
   private
-  public :: columns_build
+  public :: matter_t, matter_of, columns_build
 
   !> What some of the bodies of a field are.
   type :: matter_t
@@ -32,16 +32,14 @@ module sgmp_build_columns
 
 contains
 
-  !> Columns of a field in which some bodies move, of which so many parts are driven.
-  pure function columns_build(model, kernel, moves, parts) result(columns)
+  !> Columns of a field, by what moves in it; so many parts of its bodies are driven.
+  pure function columns_build(model, kernel, matter, parts) result(columns)
     type(model_t), intent(in) :: model
     integer, intent(in) :: kernel, parts
-    logical, intent(in) :: moves(:)              !! by body
+    type(matter_t), intent(in) :: matter
     type(columns_t) :: columns
-    type(matter_t) :: matter
     logical :: corrected, turns, normalised
     integer :: a
-    matter = matter_of(model%bodies%law, moves)
     associate (method => model%method, ndim => model%mesh%ndim, space => model%mesh%space, &
                solid => matter%solid)
       ! Liquids move with the divergence of plain strains (doc/volumes.md, 7).

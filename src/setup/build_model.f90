@@ -8,11 +8,11 @@ module sgmp_build_model
   use sgmp_axis, only: axis_correction_lattice
   use sgmp_body, only: body_t
   use sgmp_build_burn, only: burn_light
-  use sgmp_build_columns, only: columns_build
+  use sgmp_build_columns, only: columns_build, matter_of, matter_t
   use sgmp_build_file_state, only: file_state_fill
   use sgmp_build_stress, only: stress_fill
   use sgmp_closing, only: closing_first
-  use sgmp_constitutive, only: constitutive_t, eos_none, law_bends, law_is_spherical, law_liquid, &
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_spherical, law_liquid, &
                                law_set_average, law_set_length, law_slots
   use sgmp_contact_build, only: contact_add_slot, contact_fields, contact_fill_slot, &
                                 contact_pairs, contact_self
@@ -690,21 +690,21 @@ contains
     type(model_t), intent(inout) :: model
     integer, intent(in) :: kernel, threads
     integer :: f
-    logical :: solid, bends, moves(size(model%bodies))
+    type(matter_t) :: matter
+    logical :: moves(size(model%bodies))
     integer, dimension(contact_fields(model)) :: parts, terms
     allocate (model%fields(contact_fields(model)))
     call driven_number(model, parts, terms)
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       moves = model%bodies%field == f .and. .not. model%bodies%rigid
-      solid = any(moves .and. .not. law_is_spherical(model%bodies%law))
-      bends = any(moves .and. law_bends(model%bodies%law))
+      matter = matter_of(model%bodies%law, moves)
       call field_init(model%fields(f), model%mesh, kernel, &
-                      columns_build(model, kernel, moves, parts(f)))
+                      columns_build(model, kernel, matter, parts(f)))
       model%fields(f)%drive_terms = terms(f)
-      model%fields(f)%gaps = solid
-      model%fields(f)%linear = bends
-      where (model%bodies%field == f) model%bodies%linear = bends
+      model%fields(f)%gaps = matter%solid
+      model%fields(f)%linear = matter%bends
+      where (model%bodies%field == f) model%bodies%linear = matter%bends
       if (scene%method%hoop_auto .and. .not. model%fields(f)%gaps .and. &
           (scene%method%normalised_auto .or. .not. scene%method%normalised)) then
         model%fields(f)%hoop_correction = lattice_correction(scene, model, moves)

@@ -220,10 +220,10 @@ contains
     integer :: e, q
     call point_slopes(along, xi, w)
     do q = 1, NDIM
-      associate (sum => sums(:, 1 + (q - 1)*apart, cell(1)))
+      associate (total => sums(:, 1 + (q - 1)*apart, cell(1)))
         !$omp simd
         do e = 1, NCORNER
-          sum(e) = sum(e) + &
+          total(e) = total(e) + &
             w(e, 1)*values(1, q) + w(e, 2)*values(2, q) + w(e, 3)*values(3, q) + &
             w(e, 4)*values(4, q) + w(e, 5)*values(5, q) + w(e, 6)*values(6, q) + &
             w(e, 7)*values(7, q) + w(e, 8)*values(8, q)

@@ -299,7 +299,7 @@ contains
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: spacing
-    logical, intent(in) :: along(3)              !! axes along which faces look
+    logical, intent(in) :: along(3)              !! axes along which the faces look that count
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
@@ -311,9 +311,8 @@ contains
     point = x
     call turn_back(owner%turn, point)
     do axis = 1, mesh%ndim
-      if (.not. along(axis)) cycle
       do side = 1, 2
-        if (card%side > 0 .and. card%side /= side) cycle
+        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
         next = point
         next(axis) = next(axis) + (2*side - 3)*spacing
         if (shapes_inside(owner%shapes, next, mesh%ndim, lattice_tolerance*spacing)) cycle
@@ -324,14 +323,15 @@ contains
         if (.not. chosen(card%where, face, counts(unclear))) cycle
         size_of = volume/spacing
         if (owner%rings) size_of = size_of*face(1)/x(1)
-        area = area + size_of/spacing*(next - x)
+        if (along(axis)) area = area + size_of/spacing*(next - x)
         shown(axis) = shown(axis) + 1
       end do
     end do
     call count_faces(area, shown, counts)
   end subroutine faces_of
 
-  !> Notes the faces of a particle, and whether they are opposite ones only.
+  !> Notes the area of a set of faces of a particle, and whether it shows opposite ones only, in all
+  !! sets. Those of a tip one particle wide cancel.
   pure subroutine count_faces(area, shown, counts)
     real(dp), intent(in) :: area(3)
     integer, intent(in) :: shown(3)              !! faces along each axis
@@ -346,7 +346,7 @@ contains
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
     type(lattice_t), intent(in) :: lattice
-    logical, intent(in) :: along(3)              !! axes along which faces look
+    logical, intent(in) :: along(3)              !! axes along which the faces look that count
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
@@ -357,14 +357,13 @@ contains
     shown = 0
     at = graded_faces_place(lattice, x)
     do axis = 1, mesh%ndim
-      if (.not. along(axis)) cycle
       do side = 1, 2
-        if (card%side > 0 .and. card%side /= side) cycle
+        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
         call graded_faces_shown(owner, lattice, at, axis, side, x, volume, face, shows)
         if (.not. shows > 0.0_dp) cycle
         if (borne_by_wall(mesh, lattice%length(at(axis), axis), face)) cycle
         if (.not. chosen(card%where, face, counts(unclear))) cycle
-        area(axis) = area(axis) + (2*side - 3)*shows
+        if (along(axis)) area(axis) = area(axis) + (2*side - 3)*shows
         shown(axis) = shown(axis) + 1
       end do
     end do
