@@ -71,11 +71,15 @@ class Case:
     def paper(self, parameters):
         """The decks of the paper's examples are run with the paper's scheme: what the program would choose beyond it
         (doc/surfaces.md) is asked for by those checks that want it."""
-        if self.deck.parent != ROOT / "input" or parameters.get("method", "sgmp") != "sgmp":
+        if self.deck.parent != ROOT / "input":
             return parameters
-        given = self.deck.read_text()
-        plain = {name: "plain" for name in ("stress", "rotation", "surfaces") if f"\nparameter {name} " in given}
-        return {**parameters, **{name: word for name, word in plain.items() if name not in parameters}}
+        given, plain = self.deck.read_text(), {}
+        if parameters.get("method", "sgmp") == "sgmp":
+            plain = {name: "plain" for name in ("stress", "rotation", "surfaces")}
+        if "surfaces" not in parameters:
+            plain["fit"] = "cubes"
+        plain = {name: word for name, word in plain.items() if f"\nparameter {name} " in given}
+        return {**plain, **parameters}
 
     def arguments(self):
         words = []

@@ -5,6 +5,7 @@ module sgmp_cards_body
   use sgmp_keys, only: kind_integer, kind_name_word, kind_points, kind_real, kind_text, &
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
+  use sgmp_mesh, only: wall_absorbing
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_particle_number, only: particle_number_usual
   use sgmp_polygon, only: polygon_is_simple
@@ -62,6 +63,11 @@ contains
                       'elastic rings in the plane with surfaces=corrected 3', range='[1,10]')
     call registry%key('jitter', kind_real, 'largest random displacement, in spacings', &
                       range='[0,0.5]', default='0')
+    call registry%key('fit', kind_word, 'shape: a particle at the surface has the volume of '// &
+                      'that part of the shapes that is next to it, so that the body has their '// &
+                      'mass; cubes: all have that of their cube; default: shape, but cubes for '// &
+                      'a body with pressure, traction or blast on its faces, or at walls that '// &
+                      'let waves out', choices='shape cubes')
     call register_copies(registry)
     call register_turn(registry, 'angle in degrees; turns shapes and lattice')
     call registry%key('lattice_origin', kind_vector, &
@@ -178,6 +184,8 @@ contains
     body%ppc = card%whole('ppc')
     body%spacing = card%number('spacing')
     body%jitter = card%number('jitter')
+    body%fitted = all(body%layout /= [layout_file, layout_gauss]) .and. &
+                  card%word('fit') /= 'cubes' .and. all(draft%scene%grid%wall /= wall_absorbing)
     if (card%has('lattice_origin')) body%lattice_origin = card%vector('lattice_origin')
     body%temperature = card%number('temperature', absent=-1.0_dp)
     body%allow_overlap = card%word('overlap') == 'allow'
@@ -196,6 +204,7 @@ contains
     if (abs(card%number('rotation')) > 0.0_dp) call refuse('rotation')
     if (card%number('jitter') > 0.0_dp) call refuse('jitter')
     if (card%has('copies')) call refuse('copies')
+    if (card%has('fit')) call refuse('fit')
     if (card%has('lattice_origin')) call refuse('lattice_origin')
   contains
     subroutine refuse(key)
@@ -409,6 +418,7 @@ contains
   subroutine check_body(card, draft)
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
+    call check_fit(card, draft)
     call check_temperature(card, draft)
     if (card%word('shape') == from_file) then
       call share_file(card, word_position(card%word('name'), draft%scene%bodies%name), draft)
@@ -481,5 +491,24 @@ contains
                             'use a larger spacing; at most '//integer_text(huge(1)))
     end if
   end subroutine check_particle_number
+
+  !> Volumes that were asked to fit where they cannot.
+  subroutine check_fit(card, draft)
+    type(deck_card_t), intent(in) :: card
+    type(draft_t), intent(inout) :: draft
+    integer :: b
+    if (card%word('fit') /= 'shape') return
+    b = findloc(draft%scene%bodies%name == card%word('name'), .true., 1)
+    if (b == 0) return
+    if (draft%scene%bodies(b)%fitted .or. draft%scene%bodies(b)%layout == layout_file) return
+    if (draft%scene%bodies(b)%layout == layout_gauss) then
+      call draft%errors%add(card%place('fit'), 'Gauss points have the volumes of their rule', &
+                            'use layout=uniform, or remove fit')
+    else
+      call draft%errors%add(card%place('fit'), 'loads on faces, and walls that let waves out, '// &
+                            'take the particles of a body for whole cubes', &
+                            'use fit=cubes, or remove fit')
+    end if
+  end subroutine check_fit
 
 end module sgmp_cards_body

@@ -151,7 +151,10 @@ contains
       end if
       new%where = expression_clone(where%expression)
     end associate
-    if (kind /= load_force) call take_face(card, new, draft)
+    if (kind /= load_force) then
+      call take_face(card, new, draft)
+      draft%scene%bodies(new%body)%fitted = .false.
+    end if
     draft%scene%loads = [draft%scene%loads, new]
   end subroutine read_load
 

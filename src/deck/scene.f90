@@ -153,6 +153,7 @@ module sgmp_scene
     character(:), allocatable :: location         !! file:line:column of the card, for messages
     logical :: allow_overlap = .false.            !! may share space with other bodies at t = 0
     logical :: rings = .false.                    !! axisymmetric: particles are rings about r = 0
+    logical :: fitted = .false.                   !! volumes of particles add up to that of shapes
     real(dp) :: spin_at_start(3) = 0.0_dp         !! initial angular velocity
     real(dp) :: spin_point(3) = huge(1.0_dp)      !! about this point; huge: the centre of mass
     logical :: rigid = .false.                    !! moves as prescribed, whatever acts on it

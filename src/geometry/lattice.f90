@@ -25,6 +25,7 @@ module sgmp_lattice
     real(dp), allocatable :: length(:, :)          !! (point, axis): share of the volume
     real(dp) :: margin = 0.0_dp                    !! tolerance of boundaries (length)
     real(dp) :: jitter = 0.0_dp                    !! largest displacement (length)
+    logical :: cut = .false.                       !! what it fills takes parts of cubes
   end type lattice_t
 
 contains

@@ -296,6 +296,10 @@ contains
         case default  ! no temperature
         end select
         if (size(pieces) > 1) tail = tail//' overlap=allow'
+        if (any(piece%shape == [piece_cylinder, piece_sphere]) .or. &
+            (piece%hole .and. piece%shape == piece_block)) then
+          tail = tail//' fit=cubes'  ! as MPM3D counts particles
+        end if
         call native%add('body '//piece%name//' '//shape_text(piece, space, stem)//tail)
         if (piece%hole .and. piece%shape /= piece_file) call native%add( &
           'subtract '//piece%name//' '//round_text(piece, space, piece%upper(3) - piece%lower(3)))

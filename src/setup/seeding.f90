@@ -7,15 +7,18 @@ module sgmp_seeding
                           lattice_ijk, lattice_jitter, &
                           lattice_layers, lattice_lines, lattice_point, lattice_t, &
                           lattice_tolerance, lattice_too_many, lattice_volume
+  use sgmp_lattice_shares, only: fitting_t, lattice_fitting, lattice_share, share_reach, share_t
   use sgmp_mesh, only: mesh_make, mesh_occupied, mesh_place, mesh_t
   use sgmp_particle_file, only: file_particles_t, particle_file_read
-  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, scene_space, scene_t
+  use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, &
+                        layout_lattice, scene_space, scene_t
   use sgmp_shapes, only: combine_union, shape_t, shapes_anchor, shapes_box, shapes_inside, &
                          shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_text, only: real_text
-  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse, &
+                       turn_turns
   implicit none
   private
   public :: seeding_generate, seeding_check_inside, seeding_check_lattices, seeding_check_overlap, &
@@ -114,7 +117,7 @@ contains
     call survey_open(survey, lattice_layers(lattice))
     do layer = 1 + sharer, size(survey%points), sharers
       do line = 1, lattice_lines(lattice)
-        call fill_line(body, lattice, line, layer, found)
+        call fill_line(body, lattice, line, layer, found, volumes=.true.)
         do p = 1, found%n
           call survey_note(survey, layer, slab_plane(slab, found%position(:, p)))
         end do
@@ -239,6 +242,7 @@ contains
       if (any(corner >= infinite_length)) corner = shapes_anchor(body%shapes)
       call lattice_cubic(lower, upper, corner, body%spacing, body%jitter, ndim, lattice, status)
     end if
+    if (status == lattice_fits) lattice%cut = cuts_cubes(body, lattice)
     if (status == lattice_too_many) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' would have too many "// &
                       'particles', 'use a larger spacing; there can be 2147483647', place_of(body))
@@ -247,6 +251,16 @@ contains
                       'origin of its lattice', 'move lattice_origin or the grid', place_of(body))
     end if
   end subroutine lay_lattice
+
+  !> Whether the volumes of particles are to fit the shapes, and these cut cubes of the lattice.
+  pure function cuts_cubes(body, lattice) result(yes)
+    type(body_card_t), intent(in) :: body
+    type(lattice_t), intent(in) :: lattice
+    logical :: yes
+    yes = body%fitted
+    if (of_grid(body) .and. turn_turns(body%turn)) return
+    if (yes) yes = .not. lattice_fitting(body%shapes, lattice)
+  end function cuts_cubes
 
   !> Whether particles are where the grid has places for them, however the body is turned.
   elemental function of_grid(body) result(yes)
@@ -257,12 +271,14 @@ contains
 
   !> The particles of a line. A lattice is turned with its body; the Gauss points of the grid stay
   !! where they are, and the body is turned over them.
-  pure subroutine fill_line(body, lattice, line, layer, found)
+  pure subroutine fill_line(body, lattice, line, layer, found, volumes)
     type(body_card_t), intent(in) :: body
     type(lattice_t), intent(in) :: lattice
     integer, intent(in) :: line, layer
     type(line_t), intent(inout) :: found
+    logical, intent(in), optional :: volumes       !! are asked for, and places to the last digit
     type(shape_t), allocatable :: shapes(:)
+    type(fitting_t) :: fitting
     real(dp) :: point(3), tested(3), ends(3, 2)
     integer :: i, ijk(3)
     logical :: lattice_turns
@@ -276,6 +292,7 @@ contains
     call choose_shapes(body, ends(:, 1), ends(:, 2), .not. lattice_turns, lattice%margin, &
                        lattice%ndim, shapes)
     if (size(shapes) == 0) return
+    if (present(volumes)) call prepare_fitting(body, lattice, ends, fitting)
     do i = 1, lattice%count(1)
       ijk = lattice_ijk(lattice, i, line, layer)
       point = lattice_point(lattice, ijk)
@@ -283,14 +300,48 @@ contains
       if (.not. lattice_turns) call turn_back(body%turn, tested)
       if (.not. shapes_inside(shapes, tested, lattice%ndim, lattice%margin)) cycle
       call lattice_jitter(lattice, ijk, point)
-      if (lattice_turns) call turn_forth(body%turn, point)
       if (body%rings .and. point(1) <= 0.0_dp) cycle
       found%n = found%n + 1
+      found%volume(found%n) = lattice_volume(lattice, ijk)*merge(2.0_dp*pi*point(1), 1.0_dp, &
+                                                                 body%rings)
+      if (allocated(fitting%shapes)) then
+        call take_share(lattice_share(fitting, lattice, ijk), lattice_point(lattice, ijk), &
+                        body%rings, point, found%volume(found%n))
+      end if
+      if (lattice_turns) call turn_forth(body%turn, point)
       found%position(:, found%n) = point
-      found%volume(found%n) = lattice_volume(lattice, ijk)
-      if (body%rings) found%volume(found%n) = 2.0_dp*pi*point(1)*found%volume(found%n)
     end do
   end subroutine fill_line
+
+  !> What the shares of the particles of a line follow from, where its lattice is cut.
+  pure subroutine prepare_fitting(body, lattice, ends, fitting)
+    type(body_card_t), intent(in) :: body
+    type(lattice_t), intent(in) :: lattice
+    real(dp), intent(in) :: ends(3, 2)           !! of the line
+    type(fitting_t), intent(out) :: fitting
+    real(dp) :: reach
+    if (.not. lattice%cut) return
+    reach = share_reach*maxval(lattice%length(:, :lattice%ndim))
+    fitting%turn = body%turn
+    fitting%turns = of_grid(body)
+    fitting%rings = body%rings
+    call choose_shapes(body, ends(:, 1) - reach, ends(:, 2) + reach, fitting%turns, &
+                       lattice%margin, lattice%ndim, fitting%shapes)
+  end subroutine prepare_fitting
+
+  !> Gives a particle its share, and moves it as far as that lies beside the middle of its cube.
+  pure subroutine take_share(share, middle, rings, point, volume)
+    type(share_t), intent(in) :: share
+    real(dp), intent(in) :: middle(3)
+    logical, intent(in) :: rings
+    real(dp), intent(inout) :: point(3)          !! with its jitter
+    real(dp), intent(out) :: volume
+    real(dp) :: moved(3)
+    volume = share%volume
+    moved = point + (share%centre - middle)
+    if (rings .and. moved(1) <= 0.0_dp) moved(1) = share%centre(1)
+    point = moved
+  end subroutine take_share
 
   !> Those shapes of a body that decide about the points of a box, none where it is outside.
   pure subroutine choose_shapes(body, lower, upper, placed, margin, ndim, shapes)
@@ -362,7 +413,7 @@ contains
     integer :: line, n
     n = 0
     do line = 1, lattice_lines(lattice)
-      call fill_line(body, lattice, line, layer, found)
+      call fill_line(body, lattice, line, layer, found, volumes=.true.)
       positions(:, n + 1:n + found%n) = found%position(:, :found%n)
       volumes(n + 1:n + found%n) = found%volume(:found%n)
       n = n + found%n
@@ -387,7 +438,7 @@ contains
         if (survey%highest(layer) < slab%own(1) .or. survey%lowest(layer) > slab%own(2)) cycle
         id = sum(survey%points(:layer - 1))
         do line = 1, lattice_lines(lattice)
-          call fill_line(body, lattice, line, layer, found)
+          call fill_line(body, lattice, line, layer, found, volumes=.true.)
           do p = 1, found%n
             id = id + 1
             if (.not. slab_holds(slab, found%position(:, p))) cycle
@@ -446,12 +497,18 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     real(dp), parameter :: between_centres = 0.5_dp*(1.0_dp + 1.0e-6_dp)
     real(dp), parameter :: between_nodes = 1.25_dp*between_centres
-    real(dp) :: side, most
+    real(dp), parameter :: at_surfaces = 1.5_dp*between_centres  !! with shares of cut cubes
+    real(dp) :: side, most, volume
     integer :: p
     if (.not. mesh%graded) return
     most = merge(between_nodes, between_centres, body%layout == layout_gauss)
+    if (body%layout == layout_graded .and. body%fitted) most = at_surfaces
     do p = 1, size(volumes)
-      side = mesh_occupied(mesh, coordinates(:, p), volumes(p))**(1.0_dp/mesh%ndim)
+      volume = volumes(p)
+      if (body%layout == layout_lattice) then
+        volume = min(volume, cube_of(body, mesh, coordinates(:, p)))
+      end if
+      side = mesh_occupied(mesh, coordinates(:, p), volume)**(1.0_dp/mesh%ndim)
       if (side <= most) cycle
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' has particles as wide as "// &
                       real_text(side)//' cells where they begin; where cells are unequal half '// &
@@ -461,8 +518,18 @@ contains
     end do
   end subroutine seeding_check_size
 
-  !> Volume of a body's shapes to about a percent (length**dimension; of rings length**3), 0 where
-  !! it has none.
+  !> Volume of a whole cube of a body's lattice at a place.
+  pure function cube_of(body, mesh, coordinate) result(volume)
+    type(body_card_t), intent(in) :: body
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: coordinate(3)        !! (cells)
+    real(dp) :: volume
+    volume = body%spacing**mesh%ndim
+    if (body%rings) volume = 2.0_dp*pi*mesh_place(mesh, 1, coordinate(1))*volume
+  end function cube_of
+
+  !> Volume of a body's shapes to a tenth of a percent (length**dimension; of rings length**3), 0
+  !! where it has none.
   pure function seeding_shape_volume(body, ndim, bodies, section) result(volume)
     type(body_card_t), intent(in) :: body
     integer, intent(in) :: ndim
@@ -470,11 +537,11 @@ contains
     logical, intent(in), optional :: section     !! of rings, the area of their section instead
     real(dp) :: volume
     logical :: rings
-    integer, parameter :: effort = 2**22, finest = 64, coarsest = 12
+    integer, parameter :: effort = 2**22, finest(3) = [64, 512, 64], coarsest = 12
     volume = 0.0_dp
     if (body%layout == layout_file) return
     rings = body%rings .and. .not. present(section)
-    volume = shapes_volume(body%shapes, ndim, max(coarsest, min(finest, int( &
+    volume = shapes_volume(body%shapes, ndim, max(coarsest, min(finest(ndim), int( &
                            (real(effort, dp)/bodies)**(1.0_dp/ndim)))), rings)
   end function seeding_shape_volume
 

@@ -63,7 +63,7 @@ EXPECTED = {
     "graded": [r"{d}:2:74: error: fine_z in 2D",
                r"{d}:2:38: error: the fine interval \(18,22\) reaches out of the grid",
                r"{d}:2:59: error: the fine interval \(1,1\.5\) holds less than two cells of 0\.5", r"^3 error"],
-    "graded_coarse": [r"{d}:6:1: error: body 'b' has particles as wide as 0\.707107 cells where they begin; where "
+    "graded_coarse": [r"{d}:6:1: error: body 'b' has particles as wide as 1 cells where they begin; where "
                       r"cells are unequal half a cell is the most"],
     "graded_gimp": [r"{d}:2:38: error: a grid of unequal cells does not go with method gimp", r"^1 error"],
     "graded_largest": [r"{d}:2:36: error: the largest cell is smaller than the smallest", r"^1 error"],

@@ -186,8 +186,12 @@ def named_after_the_deck(report):
 
 
 def masses(report):
-    """A body thinner than its spacing has more mass than its shape: --check shows it, a run warns."""
+    """A body thinner than its spacing has the mass of its shape; of whole cubes it has more: --check shows it, a run
+    warns."""
     thin = DECK.replace("upper=(side,side)", "upper=(6,0.3)")
+    result = execute(command("thin", thin, ("--check",)), "thin")
+    report.check(re.search(r"mass +3\.6; of its shapes 3\.6 ", result.text), f"thin: {result.text}")
+    thin = DECK.replace("upper=(side,side)", "upper=(6,0.3) fit=cubes")
     result = execute(command("thin", thin, ("--check",)), "thin")
     report.check(re.search(r"mass +6; of its shapes 3\.6 \(\+66\.7 %\)", result.text), f"thin: {result.text}")
     line = [word for word in command("thin", thin) if word != "--quiet"]

@@ -72,11 +72,13 @@ CASES = [
     ({"time": "end=2 cfl=1.9", "method": "gimp"}, None),
     ({"time": "end=2 cfl=2.1", "method": "gimp"}, "cfl=2.1 is above 2, the most"),
     ({"time": "end=2 cfl=auto"}, None),
-    # Particles a cell apart, or more; 4 columns of them are 3.4 % less than 4.14, 4.8 % less than 4.2.
+    # Particles a cell apart, or more; 4 whole columns of them are 3.4 % less than 4.14, 4.8 % less than 4.2.
     ({"particles": "spacing=1"}, None),
     ({"particles": "spacing=2"}, "the particles of body 'left' are 2 apart, more than a cell of 1"),
-    ({"left": 4.14, "particles": "spacing=1"}, None),
-    ({"left": 4.2, "particles": "spacing=1"}, "the particles of body 'left' have a mass of 32, its shapes of 33.6"),
+    ({"left": 4.14, "particles": "spacing=1 fit=cubes"}, None),
+    ({"left": 4.2, "particles": "spacing=1"}, None),
+    ({"left": 4.2, "particles": "spacing=1 fit=cubes"},
+     "the particles of body 'left' have a mass of 32, its shapes of 33.6"),
     # Gauges: the nearest particle is half a spacing inside, a cell's diagonal is 1.414.
     ({"more": "gauge g point=(-1.1,0.25)"}, None),
     ({"more": "gauge g point=(-1.25,0.25)"}, "gauge 'g' is 1.5 cells from the nearest particle"),

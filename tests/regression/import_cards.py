@@ -331,7 +331,7 @@ BECOMES = {
     "corners": (
         ["nbmp 8", "nbmp 4", PART, "part blod 1 1 1.0 0.5 1 1 1 6 6 1 2.5 2.5 0 3\n"],
         [
-            "body body_1 block lower=(1,1,1) upper=(4,4,1.5) material=material_1 spacing=spacing",
+            "body body_1 block lower=(1,1,1) upper=(4,4,1.5) material=material_1 spacing=spacing fit=cubes",
             "subtract body_1 cylinder centre=(2.5,2.5,1) radius=1.5 axis=(0,0,1) length=0.5",
         ],
         [":5:1: honoured: nbmp: 4 particles", "body 1 (blod, 4 particles): a block with a hole"],
@@ -343,7 +343,8 @@ BECOMES = {
             "part blod 1 1 1.0 0.001 0 0 0.001 8 8 2 0.002 0.004 7 1\n",
         ],
         [
-            "body body_1 block lower=(0,0,0.001) upper=(0.008,0.008,0.003) material=material_1 spacing=spacing",
+            "body body_1 block lower=(0,0,0.001) upper=(0.008,0.008,0.003) material=material_1 spacing=spacing &",
+            "  fit=cubes",
             "subtract body_1 cylinder centre=(0.002,0.004,0.001) radius=0.001 axis=(0,0,1) length=0.002",
         ],
         [":5:1: honoured: nbmp: 120 particles"],
@@ -357,7 +358,7 @@ BECOMES = {
     ),
     "ball": (
         ["nbmp 8", "nbmp 8", PART, "part sphere 1 1 1.0 1 2 1 2 1\n"],
-        ["body body_1 sphere centre=(2,1,2) radius=1 material=material_1 spacing=spacing"],
+        ["body body_1 sphere centre=(2,1,2) radius=1 material=material_1 spacing=spacing fit=cubes"],
         [":5:1: honoured: nbmp: 8 particles"],
     ),
     "one": (

@@ -270,7 +270,7 @@ def taylor():
         shapes[form] = bar_shape(os.path.join(folder, "out"))
     native = fresh("taylor_native")
     deck = os.path.join(SOURCE, "input", "taylor_bar.inp")
-    sgmp(deck, "--quiet", "--output", native, "--set", "cfl=0.8", "--set", f"t_end={T_END}")
+    sgmp(deck, "--quiet", "--output", native, "--set", "cfl=0.8", "--set", f"t_end={T_END}", "--set", "fit=cubes")
     reference = bar_shape(native)
     print("L, D, W:", reference, shapes)
     for form, shape in shapes.items():

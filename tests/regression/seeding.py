@@ -14,6 +14,7 @@ import os
 from _runs import SCRATCH, Report, run
 
 CELL = 1.0
+FITTED = 4e-3 # how far the volume of particles that fit their shapes may be from that of these
 DECK = """
 dimension {dimension}
 grid cell=1
@@ -56,6 +57,26 @@ def ogive(centre, axis, radius, length):
         along, beside = along_and_beside(point, centre, axis)
         return 0 <= along < length and along**2 + (beside + beyond)**2 <= (radius + beyond)**2
     return inside
+
+
+def ogive_volume(radius, length):
+    """Of a tangent ogive."""
+    arc = (radius**2 + length**2)/(2*radius)
+    return math.pi*(length*arc**2 - length**3/3 - (arc - radius)*arc**2*math.asin(length/arc))
+
+
+def shoelace(corners):
+    """Area of a polygon."""
+    return abs(sum(ax*by - bx*ay for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1])))/2
+
+
+def below(side, normal, level):
+    """Volume of a cube at the origin in which x.normal < level: with and without corners, by turns."""
+    total = 0.0
+    for corner in itertools.product((0, 1), repeat=3):
+        over = level - side*sum(c*n for c, n in zip(corner, normal))
+        total += (-1)**sum(corner)*max(0.0, over)**3
+    return total/(6*math.prod(normal))
 
 
 def halfspace(centre, axis):
@@ -101,11 +122,18 @@ def turned(point, degrees, pivot):
     return (pivot[0] + c*x - s*y, pivot[1] + s*x + c*y, *point[2:])
 
 
-def compare(report, name, card, expected, volume, dimension=3, more=""):
-    """The same points, each with its volume (a number or a function of the point) and mass."""
-    result = run(name, DECK.format(dimension=dimension, card=card, more=more))
+def compare(report, name, card, expected, volume, dimension=3, more="", exact=None):
+    """The same points, each with the volume of its cube (a number or a function of the point) and mass; by default the
+    particles of a body have the volume of its shapes (`exact`)."""
+    whole = "" if "layout=gauss" in card else " fit=cubes"
+    result = run(name, DECK.format(dimension=dimension, card=card + whole, more=more))
     if not report.finished(result, name):
         return
+    if exact is not None:
+        fitted = run(f"{name}_fitted", DECK.format(dimension=dimension, card=card, more=more))
+        if report.finished(fitted, f"{name}_fitted"):
+            shares = [row["volume"] for row in fitted.table("particles_end.csv")]
+            report.check(abs(sum(shares)/exact - 1) < FITTED, f"{name}: the volume of {sum(shares)}, expected {exact}")
     rows = result.table("particles_end.csv")
     axes = "xz" if dimension == "axisymmetric" else "xyz"[:dimension]
     found = sorted(tuple(round(row[f"{a}0"], 6) + 0.0 for a in axes) for row in rows)
@@ -124,26 +152,29 @@ def solids(report):
     spacing, corner = 0.4, (0.1, -0.05, 0.15)
     origin = "lattice_origin=(0.1,-0.05,0.15) spacing=0.4"
     points = list(lattice(corner, spacing, -8, 8))
-    for name, card, inside in (
+    for name, card, inside, exact in (
         (
             "widening", "cone material=m centre=(0,0,-1) radius=1 top=2.6 length=3",
-            cone((0, 0, -1), (0, 0, 1), 1, 2.6, 3),
+            cone((0, 0, -1), (0, 0, 1), 1, 2.6, 3), math.pi*(1 + 2.6 + 2.6**2),
         ),
         (
             "pointed", "cone material=m centre=(0,1,0) axis=(0,2,0) radius=2 length=3",
-            cone((0, 1, 0), (0, 1, 0), 2, 0, 3),
+            cone((0, 1, 0), (0, 1, 0), 2, 0, 3), 4*math.pi,
         ),
         (
             "oblique", "cone material=m centre=(1,0,0) axis=(3,-4,12) radius=0.5 top=2 length=4",
-            cone((1, 0, 0), (3, -4, 12), 0.5, 2, 4),
+            cone((1, 0, 0), (3, -4, 12), 0.5, 2, 4), 7*math.pi,
         ),
-        ("slender", "ogive material=m centre=(0,0,0) radius=1.5 length=5", ogive((0, 0, 0), (0, 0, 1), 1.5, 5)),
+        (
+            "slender", "ogive material=m centre=(0,0,0) radius=1.5 length=5",
+            ogive((0, 0, 0), (0, 0, 1), 1.5, 5), ogive_volume(1.5, 5),
+        ),
         (
             "down", "ogive material=m centre=(0,0.3,1) axis=(0,0,-2) radius=2 length=3",
-            ogive((0, 0.3, 1), (0, 0, -1), 2, 3),
+            ogive((0, 0.3, 1), (0, 0, -1), 2, 3), ogive_volume(2, 3),
         ),
     ):
-        compare(report, name, f"{card} {origin}", [point for point in points if inside(point)], spacing**3)
+        compare(report, name, f"{card} {origin}", [point for point in points if inside(point)], spacing**3, exact=exact)
 
 
 def cuts(report):
@@ -154,7 +185,7 @@ def cuts(report):
     points = [point for point in lattice(corner, spacing, 0, 4) if body(point)]
     card = "block material=m lower=(0,0,0) upper=(4,4,4) spacing=0.5"
     compare(report, "behind", card, [p for p in points if plane(p)], spacing**3,
-            more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(1,2,3)")
+            more="intersect b halfspace centre=(2.1,2.1,2.1) axis=(1,2,3)", exact=below(4, (1, 2, 3), 12.6))
     compare(
         report,
         "beyond",
@@ -165,7 +196,8 @@ def cuts(report):
         "axis=(5,0,-1)",
     )
     ball = [p for p in points if sum((c - 2.2)**2 for c in p) <= 1.1**2]
-    compare(report, "ball", card, ball, spacing**3, more="intersect b sphere centre=(2.2,2.2,2.2) radius=1.1")
+    compare(report, "ball", card, ball, spacing**3, more="intersect b sphere centre=(2.2,2.2,2.2) radius=1.1",
+            exact=4/3*math.pi*1.1**3)
 
 
 def polygons(report):
@@ -182,12 +214,14 @@ def polygons(report):
             points,
             spacing**2,
             2,
+            exact=shoelace(hook),
         )
     # Points on the sides: those of the lower ones belong to it, whatever their last bits.
     compare(
         report, "tile",
         "polygon material=m corners=(0,0),(2.1,0),(2.1,0.7),(0,0.7) spacing=0.1 lattice_origin=(-0.05,-0.05)",
         [(0.1 * i, 0.1 * j) for i in range(21) for j in range(7)], 0.01, 2,
+        exact=1.47,
     )
     outer, notch = ((0.0, -1.0), (2.0, 0.3), (1.4, 4.1), (0.0, 3.0)), ((0.9, 0.0), (3.0, 1.3), (3.0, 2.5))
     points = [
@@ -208,7 +242,7 @@ def turns(report):
     compare(
         report, "turned",
         "block material=m lower=(0,0) upper=(3,1.2) spacing=0.3 lattice_origin=(0.1,0.05) rotation=35 pivot=(1,2)",
-        inside, spacing**2, 2,
+        inside, spacing**2, 2, exact=3.6,
     )
     places, weights = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15)), (5/18, 8/18, 5/18)
     # Along its diagonal, the box is turned to stand almost upright; a box around that diagonal would be far too narrow.
@@ -226,7 +260,7 @@ def turns(report):
     inside = [p for p in lattice((0.2, 0.3), 0.25, -5, 5, 2) if ring((0.3, -0.2), 3, 1.7)(p)]
     compare(
         report, "ring", "ring material=m centre=(0.3,-0.2) radius=3 inner=1.7 spacing=0.25 lattice_origin=(0.2,0.3)",
-        inside, 0.0625, 2,
+        inside, 0.0625, 2, exact=math.pi*(3**2 - 1.7**2),
     )
 
 
@@ -272,7 +306,7 @@ def revolutions(report):
     compare(
         report, "leaning",
         f"block material=m lower=(-2,-1,0) upper=(3,1,2) rotation=-25 rotation_axis=(0,1,1) pivot=(1,2,3) {origin}",
-        [spun(p, -25, (0, 1, 1), (1, 2, 3)) for p in body], spacing**3,
+        [spun(p, -25, (0, 1, 1), (1, 2, 3)) for p in body], spacing**3, exact=20,
     )
 
 
@@ -295,7 +329,48 @@ def rows(report):
         report, "holes", f"block material=m lower=(-6,-2,-2) upper=(6,2,2) {origin}",
         [p for p in points if block((-6, -2, -2), (6, 2, 2))(p) and not hole(p)], spacing**3,
         more="subtract b block lower=(-4.5,-9,-1) upper=(-3.5,9,1) rotation=30 pivot=(-4,0,0) copies=3 offset=(3,0,0)",
+        exact=192 - 3*4*2/math.cos(math.radians(30)),
     )
+
+
+def fitted(report):
+    """A body has the volume of its shapes however these lie on its lattice: in a line, rings about the axis, on unequal
+    cells, joined of pieces that share a side or lie over each other, thinner than a cube; the place of its middle is
+    right, too. On a lattice that fits nothing changes, to the last bit; fit=cubes leaves whole cubes."""
+    ball, torus = 4/3*math.pi*1.3**3, 2*math.pi**2*3*1.1**2
+    for name, dimension, cards, exact, middle in (
+        ("line", 1, "body b block material=m lower=0.13 upper=3.44 spacing=0.4 lattice_origin=0", 3.31, 1.785),
+        ("about", "axisymmetric", "body b sphere material=m centre=(0,0.1) radius=1.3 spacing=0.4", ball, 0.1),
+        ("torus", "axisymmetric", "body b sphere material=m centre=(3,-1) radius=1.1 spacing=0.4", torus, -1),
+        ("unequal", 2, "body b cylinder material=m centre=(5.1,4.2) radius=3.1", math.pi*3.1**2, 5.1),
+        ("joined", 2, "body b block material=m lower=(0,0) upper=(1.13,2) spacing=0.4\n"
+         "add b block lower=(1.13,0) upper=(3,2)", 6, 1.5),
+        ("over", 2, "body b block material=m lower=(0,0) upper=(2.13,1.9) spacing=0.4\n"
+         "add b block lower=(1,0) upper=(3,1.9)", 5.7, 1.5),
+        ("thin", 2, "body b block material=m lower=(0,0) upper=(3,0.22) spacing=0.4", 0.66, 1.5),
+        ("placed", 2, "body b block material=m lower=(0,0) upper=(3,2) spacing=0.25 copies=2 offset=(3.1,0)", 12, 3.05),
+    ):
+        deck = DECK.replace("body b {card}\n{more}", cards).format(dimension=dimension)
+        if name == "unequal":
+            deck = deck.replace("method mpm\n", "").replace(
+                "cell=1", "cell=0.5 x=0:20 y=0:20 fine_x=(2,6) fine_y=(2,6)")
+        result = run(f"fit_{name}", deck)
+        if not report.finished(result, f"fit_{name}"):
+            continue
+        rows = result.table("particles_end.csv")
+        volume = sum(row["volume"] for row in rows)
+        along = "z0" if dimension == "axisymmetric" else "x0"
+        place = sum(row["volume"]*row[along] for row in rows)/volume
+        report.check(abs(volume/exact - 1) < 2e-3, f"fit_{name}: volume {volume}, expected {exact}")
+        report.check(abs(place - middle) < 2e-3, f"fit_{name}: middle at {place}, expected {middle}")
+        report.check(all(row["mass"] == 2*row["volume"] for row in rows), f"fit_{name}: masses")
+        if name == "about":
+            way = sum(row["volume"]*row["x0"] for row in rows)/volume
+            report.check(abs(way/(3*math.pi/16*1.3) - 1) < 0.04, f"fit_about: {way} from the axis in the mean")
+    whole = DECK.format(dimension=2, card="block material=m lower=(0,0) upper=(3,2) ppc=3", more="")
+    ends = [run(f"whole_{words}", whole.replace("ppc=3", f"ppc=3 fit={words}")).table("particles_end.csv")
+            for words in ("shape", "cubes")]
+    report.check(ends[0] == ends[1], "a block that fits its lattice has other particles with fit=cubes")
 
 
 def files(report):
@@ -312,7 +387,7 @@ def files(report):
 def main():
     """All of it."""
     report = Report()
-    for part in (solids, cuts, polygons, turns, revolutions, rows, files):
+    for part in (solids, cuts, polygons, turns, revolutions, rows, fitted, files):
         part(report)
     report.end()
 
