@@ -9,7 +9,7 @@
 module sgmp_shapes
   use sgmp_kinds, only: dp, pi
   use sgmp_polygon, only: polygon_depth, polygon_holds
-  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_moved, turn_t
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_moved, turn_t, turn_turns
   implicit none
   private
   public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_cover, shapes_inside, &
@@ -92,19 +92,19 @@ contains
     end do
   end function surface_depth
 
-  !> The part of a small cube that a combination of shapes covers, 0 to 1: exact for one plane that
-  !! is parallel to a face, for others nearly so in the mean over all places of the cube. Two shapes
-  !! that are united cover more together than each where the middle lies in one of them only.
-  pure function shapes_cover(shapes, middle, side, ndim) result(part)
+  !> The part of a small box that a combination of shapes covers, 0 to 1: exact for a block along the
+  !! axes, for others nearly so in the mean over all places of the box. Two shapes that are united
+  !! cover more together than each where the middle lies in one of them only.
+  pure function shapes_cover(shapes, middle, sides, ndim) result(part)
     type(shape_t), intent(in) :: shapes(:)   !! combined in order
     real(dp), intent(in) :: middle(3)        !! before the body is turned
-    real(dp), intent(in) :: side             !! of the cube (length)
+    real(dp), intent(in) :: sides(3)         !! of the box (length)
     integer, intent(in) :: ndim
     real(dp) :: part, of_shape
     integer :: i
     part = 0.0_dp
     do i = 1, size(shapes)
-      of_shape = min(1.0_dp, max(0.0_dp, 0.5_dp + shape_depth(shapes(i), middle, ndim)/side))
+      of_shape = shape_cover(shapes(i), middle, sides, ndim)
       select case (shapes(i)%combine)
       case (combine_union)
         if ((part > 0.5_dp) .neqv. (of_shape > 0.5_dp)) then
@@ -119,6 +119,21 @@ contains
       end select
     end do
   end function shapes_cover
+
+  !> The same of one shape. Its surface is taken for a plane, and a box for a cube of its least side.
+  pure function shape_cover(shape, middle, sides, ndim) result(part)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: middle(3), sides(3)
+    integer, intent(in) :: ndim
+    real(dp) :: part, common(3)
+    if (shape%kind == shape_block .and. .not. turn_turns(shape%turn)) then
+      common = min(shape%upper, middle + 0.5_dp*sides) - max(shape%lower, middle - 0.5_dp*sides)
+      part = product(max(0.0_dp, common(:ndim))/sides(:ndim))
+    else
+      part = 0.5_dp + shape_depth(shape, middle, ndim)/minval(sides(:ndim))
+      part = min(1.0_dp, max(0.0_dp, part))
+    end if
+  end function shape_cover
 
   !> Those shapes, in their order, that decide about the points of a box: united or subtracted ones
   !! that lie elsewhere are left out.
@@ -182,7 +197,7 @@ contains
         near = shapes_near(shapes, from, to, ndim)
         do i = 1, n(1)
           point = lower + step*([i, j, k] - 0.5_dp)
-          cover = shapes_cover(near, point, minval(step(:ndim)), ndim)
+          cover = shapes_cover(near, point, step, ndim)
           covered = covered + cover
           ways = ways + 2.0_dp*pi*max(point(1), 0.0_dp)*cover
         end do

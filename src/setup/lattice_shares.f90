@@ -178,8 +178,7 @@ contains
           do i = 1, n(1)
             middle = centre + piece*([i, j, k] - 0.5_dp*(n + 1))
             if (fitting%rings .and. middle(1) <= 0.0_dp) cycle
-            cover = shapes_cover(fitting%shapes, on_body(fitting, middle), &
-                                 minval(piece(:lattice%ndim)), lattice%ndim)
+            cover = shapes_cover(fitting%shapes, on_body(fitting, middle), piece, lattice%ndim)
             share%size = share%size + cover
             share%centre = share%centre + cover*middle
             share%volume = share%volume + cover*middle(1)

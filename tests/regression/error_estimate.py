@@ -551,7 +551,9 @@ def misfit(report):
 
 
 def flight(report):
-    """A block that flies: no error in what is exact; its numbers are found with the deck's parameters."""
+    """A block that flies: no error in what is exact, next to none where particles do not fit it (a tenth of a cell at its
+    ends, which the largest of them has as its particles are larger or smaller); its numbers are found with the deck's
+    parameters."""
     write("flying.inp", FLYING)
     code, text = view(
         "error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x",
@@ -559,12 +561,12 @@ def flight(report):
         *(word for how in ("mean", "integral", "time_of_max") for word in ("--quantity", f"bodies.arrow.x:{how}")),
     )
     found = estimates("flying.error/error.json")
-    for quantity, exact in (
-        ("bodies.arrow.x", 9), ("extent.arrow.x_max", 12), ("bodies.arrow.x:mean", 6), ("bodies.arrow.x:integral", 12),
-        ("bodies.arrow.x:time_of_max", 2),
+    for quantity, exact, wide in (
+        ("bodies.arrow.x", 9, 2e-3), ("extent.arrow.x_max", 12, 0.1), ("bodies.arrow.x:mean", 6, 2e-3),
+        ("bodies.arrow.x:integral", 12, 2e-3), ("bodies.arrow.x:time_of_max", 2, 1e-9),
     ):
         check(
-            report, abs(found[quantity]["value"] - exact) < 1e-9 and found[quantity]["half_width"] < 1e-9,
+            report, abs(found[quantity]["value"] - exact) < 1e-9 and found[quantity]["half_width"] < wide,
             f"{quantity} is {exact}", text,
         )
     check(
