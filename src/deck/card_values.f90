@@ -217,7 +217,7 @@ contains
     failed = .false.
   end subroutine read_vector
 
-  !> Reads (a,b),(c,d),...
+  !> Reads (a,b),(c,d),... or the same in parentheses.
   subroutine read_points(value, parameters, failed, errors)
     type(value_t), intent(inout) :: value
     type(parameters_t), intent(inout) :: parameters
@@ -228,6 +228,10 @@ contains
     integer :: first, last, components
     allocate (value%points(2, 0))
     failed = .true.
+    if (all_enclosed(value%text)) then
+      value%text = value%text(2:len(value%text) - 1)
+      value%position%column = value%position%column + 1
+    end if
     first = 1
     do while (first <= len(value%text) + 1)
       last = outer_scan(value%text, first, ',') - 1
@@ -266,6 +270,26 @@ contains
     end do
     yes = i == len(text) .and. text(1:1) == '('
   end function encloses
+
+  !> Whether parentheses stand around several points, ((a,b),(c,d),...).
+  pure function all_enclosed(text) result(yes)
+    character(*), intent(in) :: text
+    logical :: yes
+    integer :: first, last, n
+    n = len(text) - 2
+    yes = .false.
+    if (n < 1) return
+    if (.not. encloses(text)) return
+    if (outer_scan(text(2:n + 1), 1, ',') > n) return
+    first = 1
+    do while (first <= n + 1)
+      last = outer_scan(text(2:n + 1), first, ',') - 1
+      if (.not. encloses(text(first + 1:last + 1))) return
+      if (outer_scan(text(:last), first + 2, ',') >= last) return  ! one number in parentheses
+      first = last + 2
+    end do
+    yes = .true.
+  end function all_enclosed
 
   !> Column of a separator outside parentheses, or the one after the text.
   pure integer function outer_scan(text, first, separator) result(column)

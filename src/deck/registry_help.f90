@@ -30,12 +30,12 @@ contains
     if (keyword == '') then
       write (unit, '(a)') 'Cards (sgmp help CARD shows its keys):', ''
       do i = 1, size(registry%cards)
-        write (unit, '(2x, a, t16, a)') registry%cards(i)%name, &
+        write (unit, '(2x, a, t18, a)') registry%cards(i)%name, &
           first_sentence(registry%cards(i)%help)
       end do
-      write (unit, '(2x, a, t16, a)') 'parameter', &
+      write (unit, '(2x, a, t18, a)') 'parameter', &
         'parameter name = value: a number, or a word used as $name.'
-      write (unit, '(2x, a, t16, a)') 'include', 'include "file": another file''s cards.'
+      write (unit, '(2x, a, t18, a)') 'include', 'include "file": another file''s cards.'
       write (unit, '(a)') '', 'sgmp help --markdown writes the complete reference, '// &
         'sgmp --help lists the options.'
       return

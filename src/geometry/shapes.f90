@@ -92,9 +92,9 @@ contains
     end do
   end function surface_depth
 
-  !> The part of a small box that a combination of shapes covers, 0 to 1: exact for a block along the
-  !! axes, for others nearly so in the mean over all places of the box. Two shapes that are united
-  !! cover more together than each where the middle lies in one of them only.
+  !> The part of a small box that a combination of shapes covers, 0 to 1: exact for a block along
+  !! the axes, for others nearly so in the mean over all places of the box. Two shapes that are
+  !! united cover more together than each where the middle lies in one of them only.
   pure function shapes_cover(shapes, middle, sides, ndim) result(part)
     type(shape_t), intent(in) :: shapes(:)   !! combined in order
     real(dp), intent(in) :: middle(3)        !! before the body is turned
@@ -120,7 +120,7 @@ contains
     end do
   end function shapes_cover
 
-  !> The same of one shape. Its surface is taken for a plane, and a box for a cube of its least side.
+  !> The same of one shape. Its surface is taken for a plane, a box for a cube of its least side.
   pure function shape_cover(shape, middle, sides, ndim) result(part)
     type(shape_t), intent(in) :: shape
     real(dp), intent(in) :: middle(3), sides(3)

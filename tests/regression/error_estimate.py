@@ -551,9 +551,8 @@ def misfit(report):
 
 
 def flight(report):
-    """A block that flies: no error in what is exact, next to none where particles do not fit it (a tenth of a cell at its
-    ends, which the largest of them has as its particles are larger or smaller); its numbers are found with the deck's
-    parameters."""
+    """A block that flies: no error in what is exact, next to none where particles do not fit it (a tenth of a cell at
+    its ends, where particles are larger or smaller); its numbers are found with the deck's parameters."""
     write("flying.inp", FLYING)
     code, text = view(
         "error", "flying.inp", "--sgmp", SGMP, "--threads", "1", "--set", "speed=3", "--quantity", "bodies.arrow.x",
