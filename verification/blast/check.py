@@ -205,7 +205,7 @@ def judge(book, name, n, found, exact, rows):
         )
     book.at_least(
         "blast", f"order of that error of the arrival, {NAMES[name]}, 5 to 10 cells to the charge",
-        float(np.log2(errors[0] / errors[1])), 0.8,
+        float(np.log2(errors[0] / errors[1])), 0.75,
     )
 
 
