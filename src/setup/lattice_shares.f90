@@ -1,7 +1,8 @@
 !> What a particle of a lattice stands for: of its cube as much as lies in the body's shapes, and
 !! its share of the cubes beside it that have no particle because their middle lies outside. So a
-!! body has the volume and the mass of its shapes, however its lattice fits them: a ball of eight
-!! particles across counted in whole cubes is 3 to 10 % too heavy or too light.
+!! body has the volume and the mass of its shapes, however its lattice fits them: of whole cubes a
+!! ball of 4 to 8 cells across, two particles to a cell, is 4 to 5 % too heavy or too light
+!! (scripts/bench/fitting.py).
 module sgmp_lattice_shares
   use sgmp_kinds, only: dp, pi
   use sgmp_lattice, only: lattice_point, lattice_t, lattice_tolerance, lattice_volume
@@ -14,6 +15,7 @@ module sgmp_lattice_shares
 
   real(dp), parameter :: share_reach = 2.5_dp     !! lengths of a cube: how far shapes matter
   integer, parameter :: pieces = 4                !! of a cut cube along each axis; in 1D one
+  real(dp), parameter :: least_part = 1.0e-3_dp   !! of a cube; less is not seen, and left whole
 
   !> A lattice, and the shapes that it fills.
   type :: fitting_t
@@ -101,6 +103,7 @@ contains
         end do
       end do
     end if
+    if (share%size < least_part*lattice_volume(lattice, ijk)) share = whole(fitting, lattice, ijk)
     if (abs(share%size - lattice_volume(lattice, ijk)) > 0.0_dp) then
       share%centre = share%centre/share%size
     else

@@ -367,6 +367,13 @@ def fitted(report):
         if name == "about":
             way = sum(row["volume"]*row["x0"] for row in rows)/volume
             report.check(abs(way/(3*math.pi/16*1.3) - 1) < 0.04, f"fit_about: {way} from the axis in the mean")
+    # So small that no part of its cube is seen: a whole cube, and a warning.
+    speck = "sphere material=m centre=(0.25,0.25,0.25) radius=0.03 spacing=0.5 lattice_origin=(0,0,0)"
+    result = run("speck", DECK.format(dimension=3, card=speck, more=""))
+    if report.finished(result, "speck"):
+        rows = result.table("particles_end.csv")
+        report.check([row["volume"] for row in rows] == [0.125] and "have a mass of" in result.text,
+                     f"speck: {rows}\n{result.text}")
     whole = DECK.format(dimension=2, card="block material=m lower=(0,0) upper=(3,2) ppc=3", more="")
     ends = [run(f"whole_{words}", whole.replace("ppc=3", f"ppc=3 fit={words}")).table("particles_end.csv")
             for words in ("shape", "cubes")]
