@@ -5,7 +5,6 @@ module sgmp_cards_body
   use sgmp_keys, only: kind_integer, kind_name_word, kind_points, kind_real, kind_text, &
                        kind_vector, kind_word
   use sgmp_kinds, only: dp
-  use sgmp_mesh, only: wall_absorbing
   use sgmp_particle_file, only: particle_file_columns
   use sgmp_particle_number, only: particle_number_usual
   use sgmp_polygon, only: polygon_is_simple
@@ -65,9 +64,10 @@ contains
                       range='[0,0.5]', default='0')
     call registry%key('fit', kind_word, 'shape: a particle at the surface has the volume of '// &
                       'that part of the shapes that is next to it, so that the body has their '// &
-                      'mass; cubes: all have that of their cube; default: shape, but cubes for '// &
-                      'a body with pressure, traction or blast on its faces, or at walls that '// &
-                      'let waves out', choices='shape cubes')
+                      'mass; cubes: all have that of their cube; default: shape, but cubes '// &
+                      'where pressure, traction, blast or an absorbing wall acts on what is '// &
+                      'round or oblique to the lattice, or on a body of gimp, cpgimp', &
+                      choices='shape cubes')
     call register_copies(registry)
     call register_turn(registry, 'angle in degrees; turns shapes and lattice')
     call registry%key('lattice_origin', kind_vector, &
@@ -184,8 +184,7 @@ contains
     body%ppc = card%whole('ppc')
     body%spacing = card%number('spacing')
     body%jitter = card%number('jitter')
-    body%fitted = all(body%layout /= [layout_file, layout_gauss]) .and. &
-                  card%word('fit') /= 'cubes' .and. all(draft%scene%grid%wall /= wall_absorbing)
+    body%fitted = all(body%layout /= [layout_file, layout_gauss]) .and. card%word('fit') /= 'cubes'
     if (card%has('lattice_origin')) body%lattice_origin = card%vector('lattice_origin')
     body%temperature = card%number('temperature', absent=-1.0_dp)
     body%allow_overlap = card%word('overlap') == 'allow'
@@ -505,8 +504,9 @@ contains
       call draft%errors%add(card%place('fit'), 'Gauss points have the volumes of their rule', &
                             'use layout=uniform, or remove fit')
     else
-      call draft%errors%add(card%place('fit'), 'loads on faces, and walls that let waves out, '// &
-                            'take the particles of a body for whole cubes', &
+      call draft%errors%add(card%place('fit'), 'pressure, traction, blast and absorbing '// &
+                            'walls take particles for whole cubes where a body is round or '// &
+                            'oblique to its lattice, and with gimp and cpgimp', &
                             'use fit=cubes, or remove fit')
     end if
   end subroutine check_fit

@@ -153,7 +153,6 @@ contains
     end associate
     if (kind /= load_force) then
       call take_face(card, new, draft)
-      draft%scene%bodies(new%body)%fitted = .false.
     end if
     draft%scene%loads = [draft%scene%loads, new]
   end subroutine read_load

@@ -1,5 +1,6 @@
 !> Reads a deck: text -> statements -> cards -> scene, with every error of the deck found in one go.
 module sgmp_deck
+  use sgmp_body_fit, only: body_fit_settle
   use sgmp_card_parse, only: card_default, card_parse
   use sgmp_combinations, only: combinations_bodies, combinations_check, combinations_choose, &
                                combinations_parts, combinations_walls
@@ -86,6 +87,7 @@ contains
     call settle_method(cards, draft%errors%count() == 0, draft%scene)
     call fast_scene_settle(draft%scene)
     call particle_number_settle(draft%scene)
+    call body_fit_settle(draft%scene)
     call settle_halves(cards, draft%scene)
     draft%scene%allows = alternatives(cards)
     call check_cards(registry, cards, draft)

@@ -12,8 +12,8 @@ module sgmp_shapes
   use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_moved, turn_t, turn_turns
   implicit none
   private
-  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_cover, shapes_inside, &
-            shapes_near, shapes_volume, shape_moved
+  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_cover, shapes_flat, &
+            shapes_inside, shape_planes, shapes_near, shapes_volume, shape_moved
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
     shape_halfspace, shape_polygon, shape_revolved, shape_names, most_corners
   public :: combine_union, combine_difference, combine_intersection, combine_names
@@ -226,6 +226,47 @@ contains
       where (abs(shape%axis) > 1.0_dp - 1.0e-12_dp) anchor = lower
     end associate
   end function shapes_anchor
+
+  !> Whether all that looks along an axis, of shapes before their body is turned, are planes across
+  !! it, as far as their kinds tell: blocks, half-spaces along an axis, ends of cylinders.
+  pure function shapes_flat(shapes, axis) result(flat)
+    type(shape_t), intent(in) :: shapes(:)
+    integer, intent(in) :: axis
+    logical :: flat
+    real(dp), parameter :: along = 1.0_dp - 1.0e-12_dp
+    integer :: i
+    flat = .false.
+    do i = 1, size(shapes)
+      associate (shape => shapes(i))
+        if (turn_turns(shape%turn)) return
+        select case (shape%kind)
+        case (shape_block)
+          cycle
+        case (shape_halfspace)
+          if (maxval(abs(shape%axis)) < along) return
+        case (shape_cylinder, shape_ring, shape_polygon)
+          if (abs(shape%axis(axis)) < along) return
+        case default
+          return
+        end select
+      end associate
+    end do
+    flat = .true.
+  end function shapes_flat
+
+  !> The two planes across an axis along which a shape is flat.
+  pure function shape_planes(shape, axis) result(places)
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: axis
+    real(dp) :: places(2)
+    real(dp) :: lower(3), upper(3)
+    if (shape%kind == shape_halfspace) then
+      places = shape%centre(axis)                 ! along other axes cuts do no harm
+      return
+    end if
+    call shape_box(shape, lower, upper)
+    places = [lower(axis), upper(axis)]
+  end function shape_planes
 
   !> The same shape elsewhere.
   pure function shape_moved(shape, by) result(moved)

@@ -6,15 +6,18 @@
 module sgmp_lattice_shares
   use sgmp_kinds, only: dp, pi
   use sgmp_lattice, only: lattice_point, lattice_t, lattice_tolerance, lattice_volume
-  use sgmp_shapes, only: shape_block, shape_halfspace, shape_t, shapes_cover, shapes_inside, &
-                         surface_depth
+  use sgmp_shapes, only: shape_block, shape_halfspace, shape_planes, shape_t, shapes_cover, &
+                         shapes_flat, shapes_inside, surface_depth
   use sgmp_turn, only: turn_back, turn_t, turn_turns
   implicit none
   private
-  public :: fitting_t, lattice_fitting, lattice_share, share_reach, share_t
+  public :: fitting_t, lattice_fitting, lattice_fitting_prepare, lattice_share, share_reach, &
+            share_t
 
   real(dp), parameter :: share_reach = 2.5_dp     !! lengths of a cube: how far shapes matter
-  integer, parameter :: pieces = 4                !! of a cut cube along each axis; in 1D one
+  integer, parameter :: pieces = 4                !! of a cut cube along an axis; where that is flat
+                                                  !! as many as there are planes in it, and one
+  integer, parameter :: most_pieces = 8
   real(dp), parameter :: least_part = 1.0e-3_dp   !! of a cube; less is not seen, and left whole
 
   !> A lattice, and the shapes that it fills.
@@ -22,6 +25,7 @@ module sgmp_lattice_shares
     type(shape_t), allocatable :: shapes(:)       !! that decide within the reach of a particle
     type(turn_t) :: turn                          !! of the shapes over the lattice
     logical :: turns = .false.                    !! they are turned over it; else both as one
+    logical :: flat(3) = .false.                  !! along an axis all surfaces are planes across it
     logical :: rings = .false.                    !! volumes are of rings about x = 0
   end type fitting_t
 
@@ -160,6 +164,17 @@ contains
     end if
   end function whole
 
+  !> What is known of shapes over a lattice, once for a line of it.
+  pure subroutine lattice_fitting_prepare(fitting, ndim)
+    type(fitting_t), intent(inout) :: fitting     !! with all else
+    integer, intent(in) :: ndim
+    integer :: axis
+    if (fitting%turns .and. turn_turns(fitting%turn)) return
+    do axis = 1, ndim
+      fitting%flat(axis) = shapes_flat(fitting%shapes, axis)
+    end do
+  end subroutine lattice_fitting_prepare
+
   !> The part of a cube that lies in the shapes.
   pure function part(fitting, lattice, ijk, depth) result(share)
     type(fitting_t), intent(in) :: fitting
@@ -167,36 +182,88 @@ contains
     integer, intent(in) :: ijk(3)
     real(dp), intent(in) :: depth                 !! of its middle
     type(share_t) :: share
-    real(dp) :: middle(3), centre(3), piece(3), cover
+    real(dp) :: edges(0:most_pieces, 3), middle(3), piece(3), cover
     integer :: n(3), i, j, k
     logical :: beyond_axis
     beyond_axis = fitting%rings .and. lattice%coordinate(ijk(1), 1) < &
                   (0.5_dp - lattice_tolerance)*lattice%length(ijk(1), 1)
     if (beyond_axis .or. depth < 0.5_dp*diagonal(lattice, ijk)) then
-      n = merge(pieces, 1, [1, 2, 3] <= lattice%ndim .and. lattice%ndim > 1)
-      centre = lattice_point(lattice, ijk)
-      piece = sides(lattice, ijk)/n
+      call divide(fitting, lattice, ijk, n, edges)
       do k = 1, n(3)
         do j = 1, n(2)
           do i = 1, n(1)
-            middle = centre + piece*([i, j, k] - 0.5_dp*(n + 1))
+            middle = 0.5_dp*[edges(i - 1, 1) + edges(i, 1), edges(j - 1, 2) + edges(j, 2), &
+                             edges(k - 1, 3) + edges(k, 3)]
             if (fitting%rings .and. middle(1) <= 0.0_dp) cycle
-            cover = shapes_cover(fitting%shapes, on_body(fitting, middle), piece, lattice%ndim)
+            piece = [edges(i, 1) - edges(i - 1, 1), edges(j, 2) - edges(j - 1, 2), &
+                     edges(k, 3) - edges(k - 1, 3)]
+            cover = product(piece)*shapes_cover(fitting%shapes, on_body(fitting, middle), piece, &
+                                                lattice%ndim)
             share%size = share%size + cover
             share%centre = share%centre + cover*middle
             share%volume = share%volume + cover*middle(1)
           end do
         end do
       end do
-      if (share%size < (1.0_dp - lattice_tolerance)*product(n)) then
-        share%size = share%size*product(piece)
-        share%centre = share%centre*product(piece)
-        share%volume = merge(2.0_dp*pi*share%volume*product(piece), share%size, fitting%rings)
-        return
-      end if
+      share%volume = merge(2.0_dp*pi*share%volume, share%size, fitting%rings)
+      if (share%size < (1.0_dp - lattice_tolerance)*lattice_volume(lattice, ijk)) return
     end if
     share = whole(fitting, lattice, ijk)          ! to the last digit
   end function part
+
+  !> Divides a cube into pieces: along an axis on which all surfaces are planes where these are, so
+  !! that volumes and centres are exact; along others evenly.
+  pure subroutine divide(fitting, lattice, ijk, n, edges)
+    type(fitting_t), intent(in) :: fitting
+    type(lattice_t), intent(in) :: lattice
+    integer, intent(in) :: ijk(3)
+    integer, intent(out) :: n(3)                  !! pieces
+    real(dp), intent(out) :: edges(0:, :)         !! (piece, axis)
+    real(dp) :: low, side
+    integer :: axis, i
+    n = 1
+    edges = -0.5_dp
+    edges(1, :) = 0.5_dp
+    do axis = 1, lattice%ndim
+      side = lattice%length(ijk(axis), axis)
+      low = lattice%coordinate(ijk(axis), axis) - 0.5_dp*side
+      if (fitting%flat(axis)) then
+        call cut_by_planes(fitting%shapes, axis, low, low + side, n(axis), edges(:, axis))
+        if (n(axis) > 0) cycle
+      end if
+      n(axis) = pieces
+      edges(:pieces, axis) = low + side*[(i, i=0, pieces)]/pieces
+    end do
+  end subroutine divide
+
+  !> Edges of the pieces into which planes across an axis cut a length of it.
+  pure subroutine cut_by_planes(shapes, axis, low, high, n, edges)
+    type(shape_t), intent(in) :: shapes(:)        !! all of them flat along the axis
+    integer, intent(in) :: axis
+    real(dp), intent(in) :: low, high
+    integer, intent(out) :: n                     !! pieces; 0: too many
+    real(dp), intent(inout) :: edges(0:)
+    real(dp) :: planes(2)
+    integer :: i, side
+    n = 1
+    edges(:1) = [low, high]
+    do i = 1, size(shapes)
+      planes = shape_planes(shapes(i), axis)
+      do side = 1, 2
+        associate (plane => planes(side))
+          if (plane <= low .or. plane >= high) cycle
+          if (any(abs(edges(:n) - plane) < lattice_tolerance*(high - low))) cycle
+          if (n == most_pieces) then
+            n = 0
+            return
+          end if
+          edges(:n + 1) = [pack(edges(:n), edges(:n) < plane), plane, &
+                           pack(edges(:n), edges(:n) > plane)]
+          n = n + 1
+        end associate
+      end do
+    end do
+  end subroutine cut_by_planes
 
   !> Whether a point of the lattice is one of the body's particles.
   pure function holds(fitting, lattice, ijk) result(yes)

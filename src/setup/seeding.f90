@@ -1,24 +1,24 @@
 !> Bodies to particles: where the particles of a body's card are, by its shapes and layout or from a
 !! file; a survey that counts them before any is made; bodies that overlap.
 module sgmp_seeding
+  use sgmp_body_lattice, only: body_lattice_lay, body_lattice_of_grid
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kinds, only: dp, i4, pi
-  use sgmp_lattice, only: lattice_cubic, lattice_fits, lattice_gauss, lattice_graded, &
-                          lattice_ijk, lattice_jitter, &
-                          lattice_layers, lattice_lines, lattice_point, lattice_t, &
-                          lattice_tolerance, lattice_too_many, lattice_volume
-  use sgmp_lattice_shares, only: fitting_t, lattice_fitting, lattice_share, share_reach, share_t
+  use sgmp_lattice, only: lattice_fits, lattice_ijk, lattice_jitter, lattice_layers, &
+                          lattice_lines, lattice_point, lattice_t, lattice_tolerance, &
+                          lattice_too_many, lattice_volume
+  use sgmp_lattice_shares, only: fitting_t, lattice_fitting_prepare, lattice_share, &
+                                  share_reach, share_t
   use sgmp_mesh, only: mesh_make, mesh_occupied, mesh_place, mesh_t
   use sgmp_particle_file, only: file_particles_t, particle_file_read
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, layout_graded, &
                         layout_lattice, scene_space, scene_t
-  use sgmp_shapes, only: combine_union, shape_t, shapes_anchor, shapes_box, shapes_inside, &
+  use sgmp_shapes, only: combine_union, shape_t, shapes_box, shapes_inside, &
                          shapes_near, shapes_volume
   use sgmp_slabs, only: slab_holds, slab_plane, slab_t
   use sgmp_space, only: axis_names, space_axisymmetric
   use sgmp_text, only: real_text
-  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse, &
-                       turn_turns
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_forth, turn_inverse
   implicit none
   private
   public :: seeding_generate, seeding_check_inside, seeding_check_lattices, seeding_check_overlap, &
@@ -213,13 +213,13 @@ contains
     integer, intent(in) :: ndim
     type(lattice_t), intent(out) :: lattice
     type(error_t), allocatable, intent(out) :: error
-    real(dp) :: lower(3), upper(3), corner(3), low(3), high(3)
+    real(dp) :: lower(3), upper(3), low(3), high(3)
     integer :: status
     call shapes_box(body%shapes, lower, upper)
     low = lower
     high = upper
     if (ndim > 1) call turn_box(body%turn, low, high)
-    if (of_grid(body)) then
+    if (body_lattice_of_grid(body)) then
       lower = low
       upper = high
     end if
@@ -230,19 +230,7 @@ contains
     end if
     call check_reach(body, low, high, cell, grid_lower, ndim, error)
     if (allocated(error)) return
-    if (any(body%axes%graded)) then
-      corner = grid_lower
-      if (body%layout == layout_graded) corner = shapes_anchor(body%shapes)
-      call lattice_graded(lower, upper, corner, body%axes(:ndim), body%cell, body%ppc, &
-                          body%layout == layout_gauss, lattice, status)
-    else if (body%layout == layout_gauss) then
-      call lattice_gauss(lower, upper, grid_lower, cell, body%ppc, ndim, lattice, status)
-    else
-      corner = body%lattice_origin
-      if (any(corner >= infinite_length)) corner = shapes_anchor(body%shapes)
-      call lattice_cubic(lower, upper, corner, body%spacing, body%jitter, ndim, lattice, status)
-    end if
-    if (status == lattice_fits) lattice%cut = cuts_cubes(body, lattice)
+    call body_lattice_lay(body, cell, grid_lower, ndim, lattice, status)
     if (status == lattice_too_many) then
       call error_make(error, exit_deck, "body '"//trim(body%name)//"' would have too many "// &
                       'particles', 'use a larger spacing; there can be 2147483647', place_of(body))
@@ -251,23 +239,6 @@ contains
                       'origin of its lattice', 'move lattice_origin or the grid', place_of(body))
     end if
   end subroutine lay_lattice
-
-  !> Whether the volumes of particles are to fit the shapes, and these cut cubes of the lattice.
-  pure function cuts_cubes(body, lattice) result(yes)
-    type(body_card_t), intent(in) :: body
-    type(lattice_t), intent(in) :: lattice
-    logical :: yes
-    yes = body%fitted
-    if (of_grid(body) .and. turn_turns(body%turn)) return
-    if (yes) yes = .not. lattice_fitting(body%shapes, lattice)
-  end function cuts_cubes
-
-  !> Whether particles are where the grid has places for them, however the body is turned.
-  elemental function of_grid(body) result(yes)
-    type(body_card_t), intent(in) :: body
-    logical :: yes
-    yes = any(body%layout == [layout_gauss, layout_graded])
-  end function of_grid
 
   !> The particles of a line. A lattice is turned with its body; the Gauss points of the grid stay
   !! where they are, and the body is turned over them.
@@ -286,7 +257,7 @@ contains
       allocate (found%position(3, lattice%count(1)), found%volume(lattice%count(1)))
     end if
     found%n = 0
-    lattice_turns = .not. of_grid(body)
+    lattice_turns = .not. body_lattice_of_grid(body)
     ends(:, 1) = lattice_point(lattice, lattice_ijk(lattice, 1, line, layer))
     ends(:, 2) = lattice_point(lattice, lattice_ijk(lattice, lattice%count(1), line, layer))
     call choose_shapes(body, ends(:, 1), ends(:, 2), .not. lattice_turns, lattice%margin, &
@@ -323,10 +294,11 @@ contains
     if (.not. lattice%cut) return
     reach = share_reach*maxval(lattice%length(:, :lattice%ndim))
     fitting%turn = body%turn
-    fitting%turns = of_grid(body)
+    fitting%turns = body_lattice_of_grid(body)
     fitting%rings = body%rings
     call choose_shapes(body, ends(:, 1) - reach, ends(:, 2) + reach, fitting%turns, &
                        lattice%margin, lattice%ndim, fitting%shapes)
+    call lattice_fitting_prepare(fitting, lattice%ndim)
   end subroutine prepare_fitting
 
   !> Gives a particle its share, and moves it as far as that lies beside the middle of its cube.

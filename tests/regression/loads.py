@@ -93,6 +93,45 @@ output csv at=end fields=stress
 """
 
 
+# What cuts the cubes of its lattice.
+CUT = """
+dimension {dimension}
+grid cell=1 {open}
+method {method}
+time dt=0.05 steps={steps}
+material rubber elastic density=2 young=10 poisson=0.25 strain=small
+body block {shape} material=rubber ppc=2
+{load}
+output csv at=end fields=stress,volume,velocity,mass
+"""
+OBLIQUE = ("turned", "rings")  # to the grid, or longer outside than inside
+# Space, shape, volume, axis and area of its upper face.
+CUTS = {
+    "bar": ("1", "block lower=10 upper=16.13", 6.13, "x", 1),
+    "plane": ("2", "block lower=(10,10) upper=(16.13,13.8)", 6.13*3.8, "y", 6.13),
+    "shifted": ("2", "block lower=(10.1,10.15) upper=(16.13,13.8) lattice_origin=(0,0)", 6.03*3.65, "y", 6.03),
+    "turned": ("2", "block lower=(10,10) upper=(16.2,13.85) rotation=23", 6.2*3.85, "y", 6.2),
+    "space": ("3", "block lower=(0,0,0) upper=(3.2,4.35,3.8)", 3.2*4.35*3.8, "z", 3.2*4.35),
+    "rings": ("axisymmetric", "block lower=(3,10) upper=(7.2,13.8)", math.pi*(7.2**2 - 9)*3.8, "z",
+              math.pi*(7.2**2 - 9)),
+    "disk": ("3", "cylinder centre=(4,4,0) radius=3.1 length=3.8", math.pi*3.1**2*3.8, "z", math.pi*3.1**2),
+}
+# A cantilever under a pressure, fixed in a wall.
+CANTILEVER = """
+parameter thickness = 4
+dimension 2
+grid cell=1 x=0:open y=-10:open
+wall x-=fixed
+method sgmp
+time end=1500
+material rubber elastic density=1 young=1000 poisson=0.25
+body beam block lower=(0,0) upper=(40,thickness) material=rubber ppc=2
+pressure beam face=y+ p=0.002*min(t/200,1)
+damping kinetic=yes
+output csv at=end fields=displacement
+"""
+
+
 def exact(x):
     """Stress of the pulse at a place of the rod, whose speed of sound is 1."""
     t = END - x
@@ -241,6 +280,66 @@ def patch(report):
     report.finished(tip, "patch_tip")
 
 
+def cut_deck(name, **more):
+    """The deck of one of CUTS."""
+    dimension, shape = CUTS[name][:2]
+    opened = " ".join(f"{axis}=0:open" for axis in ("z" if dimension == "axisymmetric" else "xyz"[:int(dimension)]))
+    return CUT.format(dimension=dimension, shape=shape, open=opened, **more)
+
+
+def cut_pressed(report):
+    """Faces are where the shapes end, not where cubes do: a pressure all around is in equilibrium."""
+    for name, (dimension, _, volume, _, _) in CUTS.items():
+        if name == "disk":  # it is round: its sides are those of cubes
+            continue
+        for method, worst in (("sgmp", 0.2), ("mpm", 0.5)) if name in OBLIQUE else (("sgmp", 0.06), ("mpm", 0.03)):
+            title = f"cut_{name}_{method}"
+            text = cut_deck(name, method=method, load="pressure block p=0.01\ndamping rate=2", steps=1600)
+            result = run(title, text)
+            if not report.finished(result, title):
+                continue
+            rows = result.table("particles_end.csv")
+            whole = sum(row["volume"] for row in rows)
+            report.check(abs(whole/volume - 1) < 1e-9, f"{title}: volume {whole}, not {volume}")
+            for axis in {"1": "x", "2": "xy"}.get(dimension, "xyz"):
+                stress = [row[f"stress_{axis}{axis}"] for row in rows]
+                mean = sum(row["volume"]*here for row, here in zip(rows, stress))/volume
+                off = max(abs(here + 0.01) for here in stress)
+                report.check(abs(mean + 0.01) < 8e-3*0.01, f"{title}: stress along {axis} is {-mean/0.01} of p")
+                report.check(off < worst*0.01, f"{title}: stress along {axis} is off by {off/0.01} of p")
+
+
+def cut_pushed(report):
+    """A pressure on one face is that on the area of the shape's face, and what it pushes has the shape's mass."""
+    for name, (_, _, volume, axis, area) in CUTS.items():
+        title = f"cut_{name}_pushed"
+        result = run(title, cut_deck(name, method="sgmp", load=f"pressure block face={axis}+ p=0.01", steps=20))
+        if not report.finished(result, title):
+            continue
+        rows = result.table("particles_end.csv")
+        mass = sum(row["mass"] for row in rows)
+        report.check(abs(mass/(2*volume) - 1) < 2e-3, f"{title}: mass {mass}, not {2*volume}")
+        axes = [axis] if name == "rings" else [axis for axis in "xyz" if f"velocity_{axis}" in rows[0]]
+        momentum = math.hypot(*(sum(row["mass"]*row[f"velocity_{axis}"] for row in rows) for axis in axes))
+        impulse = 0.01*area*0.05*19.5  # the first step is half a step of force
+        report.check(abs(momentum/impulse - 1) < 2e-3, f"{title}: momentum {momentum}, not {impulse}")
+
+
+def cantilevers(report):
+    """A cantilever bends as thick as it is (Timoshenko), whatever its lattice."""
+    modulus, shear = 1000/(1 - 0.25**2), 1000/2/1.25
+    for thickness in (3.4, 4.2):
+        result = run(f"cantilever_{thickness}", CANTILEVER, thickness=thickness)
+        if not report.finished(result, f"cantilever_{thickness}"):
+            continue
+        rows = result.table("particles_end.csv")
+        last = max(row["x"] for row in rows)
+        tip = [-row["displacement_y"] for row in rows if row["x"] > last - 0.3]
+        bent = 0.002*40**4/8/(modulus*thickness**3/12) + 0.002*40**2/2/(shear*thickness*5/6)
+        way = sum(tip)/len(tip)
+        report.check(abs(way/bent - 1) < 0.03, f"cantilever_{thickness}: {way}, not {bent}")
+
+
 def tables(report):
     """A table is the formula that it is made from; one that has changed is refused, also by a restart."""
     path = os.path.join(SCRATCH, "pull.csv")
@@ -358,6 +457,9 @@ if __name__ == "__main__":
     spaces(REPORT)
     forces(REPORT)
     patch(REPORT)
+    cut_pressed(REPORT)
+    cut_pushed(REPORT)
+    cantilevers(REPORT)
     mistakes(REPORT)
     bits(REPORT)
     REPORT.end()

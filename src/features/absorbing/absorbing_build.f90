@@ -16,17 +16,15 @@ module sgmp_absorbing_build
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_wave_modulus
   use sgmp_errors, only: error_make, error_t, exit_deck
-  use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
+  use sgmp_faces_build, only: face_t, faces_lattice, faces_length, faces_place, faces_shown
   use sgmp_kinds, only: dp, lanes
-  use sgmp_lattice, only: lattice_t, lattice_tolerance
+  use sgmp_lattice, only: lattice_t
   use sgmp_load, only: load_absorbing, load_t
   use sgmp_mesh, only: mesh_place, mesh_places, mesh_t
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_any, parallel_max
   use sgmp_scene, only: body_card_t, grid_card_t, layout_graded, layout_lattice
-  use sgmp_shapes, only: shapes_inside
   use sgmp_space, only: axis_names
-  use sgmp_turn, only: turn_back, turn_forth
   use sgmp_voigt, only: voigt_axes
   implicit none
   private
@@ -104,9 +102,7 @@ contains
     x = 0.0_dp
     weight = 0.0_dp
     mass = motion_mass(mesh%ndim)
-    if (body%absorbs .and. card%layout == layout_graded) then
-      call graded_faces_lay(card, mesh%ndim, lattice)
-    end if
+    if (body%absorbs .and. has_faces(card)) call faces_lattice(card, mesh, lattice)
     do i = 1, size(body%loads)
       if (body%loads(i)%kind /= load_absorbing) cycle
       do c = 1, body%particles%chunks
@@ -137,7 +133,7 @@ contains
                                 state, beyond, faceless)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
-    type(lattice_t), intent(in) :: lattice       !! of unequal cells, where the body has it
+    type(lattice_t), intent(in) :: lattice       !! where the faces are known
     real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
     type(load_t), intent(in) :: load
     real(dp), intent(in) :: spacing
@@ -145,62 +141,58 @@ contains
     real(dp), intent(in) :: x(3)
     real(dp), intent(inout) :: state(:)
     logical, intent(inout) :: beyond, faceless
-    real(dp) :: area(3), face(3), outward, to_edge, length, shows
+    real(dp) :: area(3), outward, to_edge, length
     integer :: n, at(3)
     n = mesh%ndim
     outward = real(2*load%side - 3, dp)
     to_edge = outward*(mesh_place(mesh, load%axis, real(mesh%edge(load%side, load%axis), dp)) - &
                        x(load%axis))
     length = spacing
-    if (card%layout == layout_graded) then
-      at = graded_faces_place(lattice, x)
-      length = lattice%length(at(load%axis), load%axis)
+    if (has_faces(card)) then
+      at = faces_place(card, lattice, x)
+      length = faces_length(lattice, at, load%axis)
     end if
     if (to_edge >= length) return
     beyond = beyond .or. to_edge <= 0.0_dp
-    if (all(card%layout /= [layout_graded, layout_lattice]) .or. card%jitter > 0.0_dp) then
+    if (.not. has_faces(card)) then
       faceless = .true.
       return
     end if
-    if (card%layout == layout_graded) then
-      call graded_faces_shown(card, lattice, at, load%axis, load%side, x, state(1), face, shows)
-      area = 0.0_dp
-      area(load%axis) = outward*shows
-    else
-      area = area_shown(card, load, n, spacing, x, state(1))
-    end if
+    area = area_shown(card, mesh, lattice, load, at, x, state(1))
     faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*length)
     if (all(abs(area) <= 0.0_dp)) return
     state(load%column:load%column + n - 1) = area(:n)
     associate (rest => state(load%column + n:load%column + 2*n - 1))
       rest = outward*across(state(stress:stress + stresses - 1), load%axis, n)
-      ! At the face, half a spacing from where the stress is known.
-      rest(load%axis) = rest(load%axis) - 0.5_dp*length*weight(load%axis)
+      ! At the face, half a particle from where the stress is known.
+      rest(load%axis) = rest(load%axis) - 0.5_dp*state(1)/norm2(area)*weight(load%axis)
     end associate
   end subroutine fill_particle
 
-  !> Area vector of the face that a particle shows to an edge; 0: it shows none.
-  pure function area_shown(card, load, ndim, spacing, x, volume) result(area)
+  !> Whether the faces of a body's particles are known: those of a lattice.
+  pure function has_faces(card) result(yes)
     type(body_card_t), intent(in) :: card
+    logical :: yes
+    yes = any(card%layout == [layout_graded, layout_lattice]) .and. card%jitter <= 0.0_dp
+  end function has_faces
+
+  !> Area vector of the face that a particle shows to an edge; 0: it shows none.
+  pure function area_shown(card, mesh, lattice, load, at, x, volume) result(area)
+    type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    type(lattice_t), intent(in) :: lattice
     type(load_t), intent(in) :: load
-    integer, intent(in) :: ndim
-    real(dp), intent(in) :: spacing, x(3), volume
+    integer, intent(in) :: at(3)                 !! faces_place
+    real(dp), intent(in) :: x(3), volume
     real(dp) :: area(3)
-    real(dp) :: point(3), next(3), size_of
+    type(face_t) :: face
     integer :: axis, side
     area = 0.0_dp
-    point = x
-    call turn_back(card%turn, point)
-    do axis = 1, ndim
+    do axis = 1, mesh%ndim
       do side = 1, 2
-        next = point
-        next(axis) = next(axis) + (2*side - 3)*spacing
-        if (shapes_inside(card%shapes, next, ndim, lattice_tolerance*spacing)) cycle
-        call turn_forth(card%turn, next)
-        if ((2*load%side - 3)*(next(load%axis) - x(load%axis)) < aligned*spacing) cycle
-        size_of = volume/spacing
-        if (card%rings) size_of = size_of*0.5_dp*(x(1) + next(1))/x(1)
-        area = size_of/spacing*(next - x)
+        face = faces_shown(card, lattice, at, axis, side, x, volume)
+        if ((2*load%side - 3)*face%area(load%axis) < aligned*norm2(face%area)) cycle
+        if (face%shown) area = face%area
       end do
     end do
   end function area_shown

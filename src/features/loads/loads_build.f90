@@ -5,18 +5,18 @@ module sgmp_loads_build
   use sgmp_body, only: body_t
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_expression, only: expression_t
-  use sgmp_graded_faces_build, only: graded_faces_lay, graded_faces_place, graded_faces_shown
+  use sgmp_faces_build, only: face_t, faces_lattice, faces_length, faces_place, faces_shown
   use sgmp_kinds, only: dp, lanes
-  use sgmp_lattice, only: lattice_t, lattice_tolerance
+  use sgmp_lattice, only: lattice_t
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_material_history, only: slots_ask
   use sgmp_mesh, only: mesh_place, mesh_places, mesh_t, wall_free
   use sgmp_motion, only: motion_mass
   use sgmp_parallel, only: parallel_exact_sums, parallel_min
-  use sgmp_scene, only: body_card_t, layout_graded, load_card_t, scene_t
-  use sgmp_shapes, only: shape_block, shape_cylinder, shape_ring, shapes_inside
+  use sgmp_scene, only: body_card_t, load_card_t, scene_t
+  use sgmp_shapes, only: shape_block, shape_cylinder, shape_ring
   use sgmp_text, only: integer_text, real_text_about
-  use sgmp_turn, only: turn_back, turn_forth, turn_turns
+  use sgmp_turn, only: turn_turns
   use sgmp_units, only: units_sizes
   implicit none
   private
@@ -188,7 +188,7 @@ contains
     integer :: c, l, n
     n = mesh%ndim
     x = 0.0_dp
-    if (owner%layout == layout_graded) call graded_faces_lay(owner, n, lattice)
+    if (card%kind /= load_force) call faces_lattice(owner, mesh, lattice)
     associate (particles => body%particles)
       allocate (terms(sums, particles%chunks), source=0.0_dp)
       do c = 1, particles%chunks
@@ -197,12 +197,7 @@ contains
           x(:n) = mesh_places(mesh, particles%motion(l, :n, c))
           if (card%kind /= load_force) then
             associate (volume => particles%state(l, 1, c), counts => terms(:, c))
-              if (owner%layout == layout_graded) then
-                call faces_graded(card, owner, mesh, lattice, along, x, volume, faces, counts)
-              else
-                call faces_of(card, owner, mesh, body%spacing, along, x, volume, faces, &
-                              counts)
-              end if
+              call faces_of(card, owner, mesh, lattice, along, x, volume, faces, counts)
             end associate
             particles%state(l, column:column + n - 1, c) = faces(:n)
           else if (chosen(card%where, x, terms(unclear, c))) then
@@ -292,38 +287,30 @@ contains
     end do
   end subroutine share
 
-  !> Sum of the area vectors of those faces of a particle behind which its lattice has no other one.
-  !! Between rings a face is as long as its own radius says.
-  subroutine faces_of(card, owner, mesh, spacing, along, x, volume, area, counts)
+  !> Sum of the area vectors of those faces of a particle that a card means.
+  subroutine faces_of(card, owner, mesh, lattice, along, x, volume, area, counts)
     type(load_card_t), intent(in) :: card
     type(body_card_t), intent(in) :: owner
     type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: spacing
+    type(lattice_t), intent(in) :: lattice
     logical, intent(in) :: along(3)              !! axes along which the faces look that count
     real(dp), intent(in) :: x(3)                 !! of the particle
     real(dp), intent(in) :: volume
     real(dp), intent(out) :: area(3)
     real(dp), intent(inout) :: counts(sums)
-    real(dp) :: point(3), next(3), face(3), size_of
-    integer :: axis, side, shown(3)
+    type(face_t) :: face
+    integer :: axis, side, shown(3), at(3)
     area = 0.0_dp
     shown = 0
-    point = x
-    call turn_back(owner%turn, point)
+    at = faces_place(owner, lattice, x)
     do axis = 1, mesh%ndim
       do side = 1, 2
         if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
-        next = point
-        next(axis) = next(axis) + (2*side - 3)*spacing
-        if (shapes_inside(owner%shapes, next, mesh%ndim, lattice_tolerance*spacing)) cycle
-        if (owner%rings .and. next(1) <= 0.0_dp) cycle
-        call turn_forth(owner%turn, next)
-        face = 0.5_dp*(x + next)
-        if (borne_by_wall(mesh, spacing, face)) cycle
-        if (.not. chosen(card%where, face, counts(unclear))) cycle
-        size_of = volume/spacing
-        if (owner%rings) size_of = size_of*face(1)/x(1)
-        if (along(axis)) area = area + size_of/spacing*(next - x)
+        face = faces_shown(owner, lattice, at, axis, side, x, volume)
+        if (.not. face%shown) cycle
+        if (borne_by_wall(mesh, faces_length(lattice, at, axis), face%middle)) cycle
+        if (.not. chosen(card%where, face%middle, counts(unclear))) cycle
+        if (along(axis)) area = area + face%area
         shown(axis) = shown(axis) + 1
       end do
     end do
@@ -339,36 +326,6 @@ contains
     counts(borne) = counts(borne) + norm2(area)
     if (any(shown == 2) .and. all(shown /= 1)) counts(squeezed) = counts(squeezed) + 1.0_dp
   end subroutine count_faces
-
-  !> The same as faces_of on the lattice of unequal cells, whose particles differ in size.
-  subroutine faces_graded(card, owner, mesh, lattice, along, x, volume, area, counts)
-    type(load_card_t), intent(in) :: card
-    type(body_card_t), intent(in) :: owner
-    type(mesh_t), intent(in) :: mesh
-    type(lattice_t), intent(in) :: lattice
-    logical, intent(in) :: along(3)              !! axes along which the faces look that count
-    real(dp), intent(in) :: x(3)                 !! of the particle
-    real(dp), intent(in) :: volume
-    real(dp), intent(out) :: area(3)
-    real(dp), intent(inout) :: counts(sums)
-    real(dp) :: face(3), shows
-    integer :: axis, side, shown(3), at(3)
-    area = 0.0_dp
-    shown = 0
-    at = graded_faces_place(lattice, x)
-    do axis = 1, mesh%ndim
-      do side = 1, 2
-        if (card%axis > 0 .and. (card%axis /= axis .or. card%side /= side)) cycle
-        call graded_faces_shown(owner, lattice, at, axis, side, x, volume, face, shows)
-        if (.not. shows > 0.0_dp) cycle
-        if (borne_by_wall(mesh, lattice%length(at(axis), axis), face)) cycle
-        if (.not. chosen(card%where, face, counts(unclear))) cycle
-        if (along(axis)) area(axis) = area(axis) + (2*side - 3)*shows
-        shown(axis) = shown(axis) + 1
-      end do
-    end do
-    call count_faces(area, shown, counts)
-  end subroutine faces_graded
 
   !> Whether a face lies on a wall of the grid, or on an edge that lets waves out.
   pure function borne_by_wall(mesh, spacing, face) result(yes)
