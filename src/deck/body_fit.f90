@@ -2,14 +2,18 @@
 !!
 !! Loads act on the faces of cubes, or of what is left of cubes that a plane along the lattice cuts.
 !! What a load acts on where it is curved or oblique is made of whole cubes: their faces are stairs
-!! whose area vectors add up to those of the shape. So is all that a load acts on with gimp and
+!! whose area vectors add up to those of the shape; so is a body whose shapes make steps along the
+!! load, since parts of cubes in their corners are no boxes (a block with a hole would be off by the
+!! whole pressure there). So is all that a load acts on with gimp and
 !! cpgimp, whose functions are those of cubes.
 module sgmp_body_fit
   use sgmp_kernels, only: method_cpgimp, method_gimp
+  use sgmp_kinds, only: dp
+  use sgmp_lattice, only: lattice_tolerance
   use sgmp_load, only: load_force
   use sgmp_mesh, only: wall_absorbing
   use sgmp_scene, only: body_card_t, scene_t
-  use sgmp_shapes, only: shapes_flat
+  use sgmp_shapes, only: combine_union, shape_planes, shape_t, shapes_flat
   implicit none
   private
   public :: body_fit_settle
@@ -47,6 +51,27 @@ contains
     logical, intent(in) :: of_cubes
     if (.not. allocated(body%shapes)) return
     body%fitted = body%fitted .and. .not. of_cubes .and. shapes_flat(body%shapes, axis)
+    if (body%fitted) body%fitted = .not. steps(body%shapes, axis)
   end subroutine need_flat
+
+  !> Whether shapes have planes across an axis that are not those of the first one, within it or
+  !! beside it.
+  pure function steps(shapes, axis) result(yes)
+    type(shape_t), intent(in) :: shapes(:)       !! flat along the axis
+    integer, intent(in) :: axis
+    logical :: yes
+    real(dp) :: ends(2), planes(2), near
+    integer :: i
+    ends = shape_planes(shapes(1), axis)
+    near = lattice_tolerance*(ends(2) - ends(1))
+    yes = .false.
+    do i = 2, size(shapes)
+      planes = shape_planes(shapes(i), axis)
+      yes = yes .or. any(planes > ends(1) + near .and. planes < ends(2) - near)
+      if (shapes(i)%combine == combine_union) then
+        yes = yes .or. planes(1) < ends(1) - near .or. planes(2) > ends(2) + near
+      end if
+    end do
+  end function steps
 
 end module sgmp_body_fit

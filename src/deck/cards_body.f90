@@ -66,7 +66,7 @@ contains
                       'that part of the shapes that is next to it, so that the body has their '// &
                       'mass; cubes: all have that of their cube; default: shape, but cubes '// &
                       'where pressure, traction, blast or an absorbing wall acts on what is '// &
-                      'round or oblique to the lattice, or on a body of gimp, cpgimp', &
+                      'round, oblique to the lattice or stepped, or on a body of gimp, cpgimp', &
                       choices='shape cubes')
     call register_copies(registry)
     call register_turn(registry, 'angle in degrees; turns shapes and lattice')
@@ -505,8 +505,8 @@ contains
                             'use layout=uniform, or remove fit')
     else
       call draft%errors%add(card%place('fit'), 'pressure, traction, blast and absorbing '// &
-                            'walls take particles for whole cubes where a body is round or '// &
-                            'oblique to its lattice, and with gimp and cpgimp', &
+                            'walls take particles for whole cubes where a body is round, '// &
+                            'oblique to its lattice or stepped, and with gimp and cpgimp', &
                             'use fit=cubes, or remove fit')
     end if
   end subroutine check_fit

@@ -254,14 +254,16 @@ contains
     flat = .true.
   end function shapes_flat
 
-  !> The two planes across an axis along which a shape is flat.
+  !> The two planes across an axis along which a shape is flat; huge where there is none.
   pure function shape_planes(shape, axis) result(places)
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: axis
     real(dp) :: places(2)
     real(dp) :: lower(3), upper(3)
     if (shape%kind == shape_halfspace) then
-      places = shape%centre(axis)                 ! along other axes cuts do no harm
+      places = [-huge(1.0_dp), huge(1.0_dp)]
+      if (shape%axis(axis) > 0.5_dp) places(2) = shape%centre(axis)
+      if (shape%axis(axis) < -0.5_dp) places(1) = shape%centre(axis)
       return
     end if
     call shape_box(shape, lower, upper)

@@ -64,8 +64,8 @@ EXPECTED = {
                r"{d}:2:38: error: the fine interval \(18,22\) reaches out of the grid",
                r"{d}:2:59: error: the fine interval \(1,1\.5\) holds less than two cells of 0\.5", r"^3 error"],
     "fit_cannot": [r"{d}:6:56: error: pressure, traction, blast and absorbing walls take particles for whole "
-                   r"cubes where a body is round", r"{d}:7:73: error: Gauss points have the volumes of their rule",
-                   r"^2 error"],
+                   r"cubes where a body is round, oblique",
+                   r"{d}:7:73: error: Gauss points have the volumes of their rule", r"^2 error"],
     "graded_coarse": [r"{d}:6:1: error: body 'b' has particles as wide as 1 cells where they begin; where "
                       r"cells are unequal half a cell is the most"],
     "graded_gimp": [r"{d}:2:38: error: a grid of unequal cells does not go with method gimp", r"^1 error"],

@@ -247,6 +247,8 @@ def patch(report):
     for name, method, more, allowed in (
         ("sgmp", "sgmp", "", 5e-3), ("mpm", "mpm", "", 5e-3), ("gimp", "gimp", "", 5e-3),
         ("angle", "sgmp", "add block block lower=(10,14) upper=(13,18)", 0.07),  # 0.06 at the inner corner
+        # It makes steps, which cut cubes would not bear: it is made of whole ones.
+        ("hole", "sgmp", "subtract block block lower=(12.2,11.1) upper=(14.1,12.7)", 0.08),
     ):
         text = PRESSED.replace("$more", more)
         result = run(f"patch_{name}", text, method=method)
