@@ -1,11 +1,11 @@
 !> Bodies whose particles have the volume of their shapes (doc/user-guide.md, Particles and shapes).
 !!
-!! Loads act on the faces of cubes, or of what is left of cubes that a plane along the lattice cuts.
-!! What a load acts on where it is curved or oblique is made of whole cubes: their faces are stairs
-!! whose area vectors add up to those of the shape; so is a body whose shapes make steps along the
-!! load, since parts of cubes in their corners are no boxes (a block with a hole would be off by the
-!! whole pressure there). So is all that a load acts on with gimp and
-!! cpgimp, whose functions are those of cubes.
+!! Loads act on the faces of cubes, or of what is left of cubes that planes along the lattice cut.
+!! Whole cubes are taken where a load acts on
+!! - what is round or oblique to the lattice: the area vectors of its stairs are those of the shape;
+!! - shapes with steps along the load: what is left of a cube in their corners is no box, and stress
+!!   there would be off by the whole pressure (a block with a hole);
+!! - bodies of gimp and cpgimp, whose functions are those of cubes.
 module sgmp_body_fit
   use sgmp_kernels, only: method_cpgimp, method_gimp
   use sgmp_kinds, only: dp
@@ -13,7 +13,7 @@ module sgmp_body_fit
   use sgmp_load, only: load_force
   use sgmp_mesh, only: wall_absorbing
   use sgmp_scene, only: body_card_t, scene_t
-  use sgmp_shapes, only: combine_union, shape_planes, shape_t, shapes_flat
+  use sgmp_shapes, only: combine_intersection, combine_union, shape_planes, shape_t, shapes_flat
   implicit none
   private
   public :: body_fit_settle
@@ -51,21 +51,26 @@ contains
     logical, intent(in) :: of_cubes
     if (.not. allocated(body%shapes)) return
     body%fitted = body%fitted .and. .not. of_cubes .and. shapes_flat(body%shapes, axis)
-    if (body%fitted) body%fitted = .not. steps(body%shapes, axis)
+    if (body%fitted) body%fitted = .not. steps(body%shapes, axis, lattice_tolerance*body%spacing)
   end subroutine need_flat
 
-  !> Whether shapes have planes across an axis that are not those of the first one, within it or
-  !! beside it.
-  pure function steps(shapes, axis) result(yes)
+  !> Whether shapes that are united or subtracted end along an axis elsewhere than the body does.
+  pure function steps(shapes, axis, near) result(yes)
     type(shape_t), intent(in) :: shapes(:)       !! flat along the axis
     integer, intent(in) :: axis
+    real(dp), intent(in) :: near                 !! by which they may differ (length)
     logical :: yes
-    real(dp) :: ends(2), planes(2), near
+    real(dp) :: ends(2), planes(2)
     integer :: i
     ends = shape_planes(shapes(1), axis)
-    near = lattice_tolerance*(ends(2) - ends(1))
+    do i = 2, size(shapes)
+      if (shapes(i)%combine /= combine_intersection) cycle
+      planes = shape_planes(shapes(i), axis)
+      ends = [max(ends(1), planes(1)), min(ends(2), planes(2))]
+    end do
     yes = .false.
     do i = 2, size(shapes)
+      if (shapes(i)%combine == combine_intersection) cycle
       planes = shape_planes(shapes(i), axis)
       yes = yes .or. any(planes > ends(1) + near .and. planes < ends(2) - near)
       if (shapes(i)%combine == combine_union) then

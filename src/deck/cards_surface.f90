@@ -151,9 +151,7 @@ contains
       end if
       new%where = expression_clone(where%expression)
     end associate
-    if (kind /= load_force) then
-      call take_face(card, new, draft)
-    end if
+    if (kind /= load_force) call take_face(card, new, draft)
     draft%scene%loads = [draft%scene%loads, new]
   end subroutine read_load
 

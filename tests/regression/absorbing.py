@@ -239,7 +239,7 @@ def rest(report):
             fastest = max(hypot(row["velocity_x"], row["velocity_y"]) for row in result.table("particles_end.csv"))
             # sgmp moves as much at the free surface, between walls, too.
             report.check(fastest < (4e-6 if method == "sgmp" else 1e-9), f"ground {method}: moves at {fastest}")
-    # Edges that cut the cubes of its lattice: with whole cubes it moves at 3e-4.
+    # Edges that cut the cubes of its lattice: with whole cubes it moves at 4e-4.
     result = run("ground_cut", GROUND.replace("ppc=2", "ppc=2 lattice_origin=(0.2,0.35)"))
     if report.finished(result, "ground_cut"):
         fastest = max(hypot(row["velocity_x"], row["velocity_y"]) for row in result.table("particles_end.csv"))

@@ -101,6 +101,7 @@ method {method}
 time dt=0.05 steps={steps}
 material rubber elastic density=2 young=10 poisson=0.25 strain=small
 body block {shape} material=rubber ppc=2
+{trim}
 {load}
 output csv at=end fields=stress,volume,velocity,mass
 """
@@ -109,6 +110,7 @@ OBLIQUE = ("turned", "rings")  # to the grid, or longer outside than inside
 CUTS = {
     "bar": ("1", "block lower=10 upper=16.13", 6.13, "x", 1),
     "plane": ("2", "block lower=(10,10) upper=(16.13,13.8)", 6.13*3.8, "y", 6.13),
+    "trimmed": ("2", "block lower=(10,10) upper=(18,13.8)", 6.13*3.8, "y", 6.13),
     "shifted": ("2", "block lower=(10.1,10.15) upper=(16.13,13.8) lattice_origin=(0,0)", 6.03*3.65, "y", 6.03),
     "turned": ("2", "block lower=(10,10) upper=(16.2,13.85) rotation=23", 6.2*3.85, "y", 6.2),
     "space": ("3", "block lower=(0,0,0) upper=(3.2,4.35,3.8)", 3.2*4.35*3.8, "z", 3.2*4.35),
@@ -285,8 +287,9 @@ def patch(report):
 def cut_deck(name, **more):
     """The deck of one of CUTS."""
     dimension, shape = CUTS[name][:2]
+    trim = "intersect block block lower=(9,9) upper=(16.13,14)" if name == "trimmed" else ""
     opened = " ".join(f"{axis}=0:open" for axis in ("z" if dimension == "axisymmetric" else "xyz"[:int(dimension)]))
-    return CUT.format(dimension=dimension, shape=shape, open=opened, **more)
+    return CUT.format(dimension=dimension, shape=shape, open=opened, trim=trim, **more)
 
 
 def cut_pressed(report):
