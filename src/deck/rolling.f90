@@ -3,7 +3,7 @@
 module sgmp_rolling
   use sgmp_constitutive, only: law_bends, law_is_springy
   use sgmp_kinds, only: dp
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: scene_pulls, scene_t
   use sgmp_shapes, only: shape_cylinder, shape_ring, shape_sphere
   implicit none
   private
@@ -22,7 +22,9 @@ contains
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b))
         if (body%rigid .or. .not. allocated(body%shapes) .or. body%material == 0) cycle
-        if (.not. (pressed(scene) .or. law_is_springy(scene%materials(body%material)%law))) cycle
+        associate (law => scene%materials(body%material)%law)
+          if (.not. (scene_pulls(scene) .or. law_is_springy(law))) cycle
+        end associate
         yes = all(is_round(body%shapes%kind, scene%dimension))
       end associate
       if (yes) return
@@ -36,7 +38,7 @@ contains
     logical :: yes
     integer :: b
     yes = .false.
-    if (.not. (may_turn(scene) .and. pressed(scene))) return
+    if (.not. (may_turn(scene) .and. scene_pulls(scene))) return
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b))
         if (body%rigid .or. body%material == 0) cycle
@@ -56,13 +58,6 @@ contains
       yes = yes .and. scene_rubbed(scene, scene%motions(m)%body) == 0
     end do
   end function may_turn
-
-  !> Whether a force acts throughout the bodies.
-  pure function pressed(scene) result(yes)
-    type(scene_t), intent(in) :: scene
-    logical :: yes
-    yes = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0
-  end function pressed
 
   !> Number of the card contact by which a body is rubbed by others; 0: none.
   pure function scene_rubbed(scene, b) result(card)

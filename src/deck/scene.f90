@@ -33,7 +33,7 @@ module sgmp_scene
             time_card_t
   public :: contact_lambda_default
   public :: dump_formats, dump_names, dump_tecplot, dump_vtkhdf, dump_vtu
-  public :: scene_at_rest, scene_free, scene_presses, scene_space, scene_t, &
+  public :: scene_at_rest, scene_free, scene_presses, scene_pulls, scene_space, scene_t, &
             scene_turns
   public :: layout_lattice, layout_gauss, layout_graded, layout_file, layout_names
   public :: name_length
@@ -340,6 +340,12 @@ contains
     type(scene_t), intent(in) :: scene
     yes = size(scene%motions) > 0 .or. any(scene%bodies%rigid)
   end function scene_presses
+
+  !> Whether a force acts throughout the bodies.
+  pure logical function scene_pulls(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    yes = any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0
+  end function scene_pulls
 
   !> Whether velocities have a component around the axis.
   pure logical function scene_turns(scene) result(yes)

@@ -9,11 +9,13 @@
 module sgmp_shapes
   use sgmp_kinds, only: dp, pi
   use sgmp_polygon, only: polygon_depth, polygon_holds
-  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_moved, turn_t, turn_turns
+  use sgmp_turn, only: infinite_length, turn_back, turn_box, turn_direction, turn_moved, &
+                       turn_t, turn_turns
   implicit none
   private
-  public :: shape_t, surface_depth, shapes_anchor, shapes_box, shapes_cover, shapes_flat, &
-            shapes_inside, shape_planes, shapes_near, shapes_volume, shape_moved
+  public :: rim_depth, shape_t, surface_depth, shapes_anchor, shapes_box, shapes_cover, &
+            shapes_flat, shapes_inside, shape_planes, shapes_near, shapes_rim, shapes_volume, &
+            shape_moved
   public :: shape_block, shape_cylinder, shape_sphere, shape_ring, shape_cone, shape_ogive, &
     shape_halfspace, shape_polygon, shape_revolved, shape_names, most_corners
   public :: combine_union, combine_difference, combine_intersection, combine_names
@@ -395,6 +397,39 @@ contains
     end select
     if (any(abs(shape%axis(:ndim)) > 0.0_dp)) depth = min(depth, along, shape%length - along)
   end function shape_depth
+
+  !> Whether the outside of shapes is that of a ball, or as seen along a direction the round side of
+  !! a cylinder or a tube, whatever is taken out of it.
+  pure function shapes_rim(shapes, direction, along) result(yes)
+    type(shape_t), intent(in) :: shapes(:)
+    real(dp), intent(in) :: direction(3)         !! before the body is turned
+    real(dp), intent(in) :: along                !! most of it along the axis of these
+    logical :: yes
+    yes = .false.
+    if (size(shapes) == 0) return
+    if (any(shapes(2:)%combine /= combine_difference)) return
+    select case (shapes(1)%kind)
+    case (shape_sphere)
+      yes = .true.
+    case (shape_cylinder, shape_ring)
+      yes = abs(dot_product(turn_direction(shapes(1)%turn, shapes(1)%axis), direction)) <= along
+    case default
+      yes = .false.
+    end select
+  end function shapes_rim
+
+  !> Distance to the round outside of a ball, a cylinder or a tube, positive inside.
+  pure function rim_depth(shape, place) result(depth)
+    type(shape_t), intent(in) :: shape
+    real(dp), intent(in) :: place(3)
+    real(dp) :: depth
+    real(dp) :: from(3)
+    from = place
+    call turn_back(shape%turn, from)
+    from = from - shape%centre
+    if (shape%kind /= shape_sphere) from = from - dot_product(from, shape%axis)*shape%axis
+    depth = shape%radius - norm2(from)
+  end function rim_depth
 
   pure subroutine shape_box(shape, lower, upper)
     type(shape_t), intent(in) :: shape

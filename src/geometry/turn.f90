@@ -4,7 +4,7 @@ module sgmp_turn
   implicit none
   private
   public :: turn_same
-  public :: turn_t, turn_back, turn_box, turn_forth, turn_inverse, turn_make, &
+  public :: turn_t, turn_back, turn_box, turn_direction, turn_forth, turn_inverse, turn_make, &
             turn_moved, turn_turns
   public :: infinite_length
 
@@ -91,6 +91,15 @@ contains
     real(dp), intent(inout) :: point(3)
     if (turn%turns) call rotate(transpose(turn%matrix), turn%pivot, point)
   end subroutine turn_back
+
+  !> A direction as the body takes it along.
+  pure function turn_direction(turn, direction) result(turned)
+    type(turn_t), intent(in) :: turn
+    real(dp), intent(in) :: direction(3)
+    real(dp) :: turned(3)
+    turned = direction
+    if (turn%turns) turned = matmul(turn%matrix, direction)
+  end function turn_direction
 
   pure subroutine rotate(matrix, pivot, point)
     real(dp), intent(in) :: matrix(3, 3), pivot(3)

@@ -35,8 +35,8 @@ module DIM(sgmp_chunk)
   use sgmp_mesh, only: mesh_t
   use sgmp_motion, only: motion_mass, motion_total, motion_velocity
   use sgmp_movers, only: movers_t
-  use sgmp_one_sided, only: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_levers, &
-                            one_sided_push, one_sided_reached, one_sided_strain
+  use sgmp_one_sided, only: one_sided_arms, one_sided_drift, one_sided_face, one_sided_flux, &
+                            one_sided_levers, one_sided_push, one_sided_reached, one_sided_strain
   use sgmp_one_sided_wall, only: one_sided_wall_t
   use sgmp_plan, only: plan_t, workspace_t
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
@@ -1147,7 +1147,7 @@ contains
     real(dp), intent(in) :: xi(lanes, NDIM), records(task%stride, *)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
     real(dp), intent(out) :: jumps(lanes, 3, size(walls))
-    real(dp) :: at(lanes, NDIM, NDIM, 0:1), end(lanes, NDIM), weights(lanes, NCORNER), arms(lanes)
+    real(dp) :: at(lanes, NDIM, NDIM, 0:1), end(lanes, NDIM), weights(lanes, NCORNER)
     integer :: a, side, w
     jumps = 0.0_dp
     if (.not. task%centred) return
@@ -1161,11 +1161,12 @@ contains
           call linear_gather(NDIM**2, weights, cell, task%stride, records(task%gradient, 1), row, &
                              at(1, 1, 1, side))
         end do
-        arms = one_sided_arms(mesh, walls(w), xi(:, n), state)
         do a = 1, NDIM
           jumps(:, a, w) = at(:, n, a, 1) - at(:, n, a, 0)
           if (a /= n) jumps(:, a, w) = jumps(:, a, w) + at(:, a, n, 1) - at(:, a, n, 0)
-          jumps(:, a, w) = arms*jumps(:, a, w)
+          jumps(:, a, w) = one_sided_arms(mesh, walls(w), a, xi(:, n), state)*jumps(:, a, w) - &
+                           mesh%h*one_sided_face(mesh, walls(w), a, state)* &
+                           (0.5_dp*(at(:, n, a, 0) + at(:, n, a, 1)))
         end do
       end associate
     end do
@@ -1180,13 +1181,13 @@ contains
     integer, intent(in) :: nb, cell(lanes)
     real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb), xi(lanes, NDIM)
     real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: levers(lanes, 3), end(lanes, NDIM)
+    real(dp) :: levers(lanes, 3), shifts(lanes, 3), end(lanes, NDIM)
     logical :: some
     integer :: a, column, side, w
     do w = 1, size(walls)
       associate (wall => walls(w))
         call one_sided_levers(mesh, wall, merge(1.0_dp, 0.0_dp, id /= 0), motion, state, &
-                              xi(:, wall%axis), levers, some)
+                              xi(:, wall%axis), levers, shifts, some)
         if (.not. some) cycle
         do side = 0, 1
           end = xi
@@ -1195,6 +1196,10 @@ contains
             if (wall%columns(a) == 0) cycle
             column = task%pairs + task%forces + one_sided_flux(mesh, wall, a)
             call linear_scatter(1, end, cell, (2*side - 1)*levers(:, a), task%nq, &
+                                stencil(1, column, 1))
+            if (.not. wall%turns .or. a == wall%axis) cycle
+            column = task%pairs + task%push + wall%columns(a) - 1
+            call linear_scatter(1, end, cell, (2*side - 1)*shifts(:, a), task%nq, &
                                 stencil(1, column, 1))
           end do
         end do

@@ -74,7 +74,8 @@ contains
     real(dp) :: w(lanes, largest_stencil), g(lanes, largest_stencil, NDIM), xi(lanes, NDIM)
     real(dp), allocatable :: force(:, :, :), w_face(:, :, :), levers(:, :, :), &
         g_face(:, :, :, :)                       ! of the loads on faces
-    real(dp), allocatable :: levers_walls(:, :, :), slopes(:, :, :)  ! of walls that let go
+    real(dp), allocatable :: levers_walls(:, :, :), shifts(:, :, :), slopes(:, :, :)
+                                                 ! of walls that let go
     logical :: forces
     integer :: cell, l
     forces = plan%stress .and. .not. task%centred
@@ -83,7 +84,7 @@ contains
       call mover_faces(mesh, body, plan, task, lists, list, at, xi, force, w_face, levers, g_face)
     end if
     if (task%push > 0 .and. task%centred) then
-      call mover_walls(mesh, body%walls, lists, list, at, xi, levers_walls, slopes)
+      call mover_walls(mesh, body%walls, lists, list, at, xi, levers_walls, shifts, slopes)
     end if
     do l = 1, size(at)
       associate (movers => lists(list(l)))
@@ -98,7 +99,7 @@ contains
         if (task%pairs > 0) call add_mover_pairs(task, xi(l, :), w(l, :), &
                                                  movers%values(1, at(l)), pile%sums)
         if (allocated(slopes)) then
-          call add_mover_walls(mesh, body%walls, task, l, levers_walls, slopes, pile%sums)
+          call add_mover_walls(mesh, body%walls, task, l, levers_walls, shifts, slopes, pile%sums)
         end if
         if (allocated(force)) call add_mover_faces(task, plan, l, force, w_face, levers, g_face, &
                                                    pile%sums)
@@ -139,13 +140,13 @@ contains
   end subroutine mover_weights
 
   !> Levers of the forces of walls that let go on some movers, and derivatives of the weights.
-  pure subroutine mover_walls(mesh, walls, lists, list, at, xi, levers, slopes)
+  pure subroutine mover_walls(mesh, walls, lists, list, at, xi, levers, shifts, slopes)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     type(movers_t), intent(in) :: lists(:)
     integer, intent(in) :: list(:), at(:)        !! (<= lanes) movers
     real(dp), intent(in) :: xi(lanes, NDIM)      !! position in the cell
-    real(dp), allocatable, intent(out) :: levers(:, :, :)  !! (lanes, 3, walls)
+    real(dp), allocatable, intent(out) :: levers(:, :, :), shifts(:, :, :)  !! (lanes, 3, walls)
     real(dp), allocatable, intent(out) :: slopes(:, :, :)  !! per cell
     real(dp), allocatable :: state(:, :)
     real(dp) :: live(lanes), motion(lanes, motion_total(NDIM))
@@ -161,29 +162,35 @@ contains
         state(l, :) = particle(motion_total(NDIM) + 1:)
       end associate
     end do
-    allocate (levers(lanes, 3, size(walls)), slopes(lanes, NCORNER, NDIM))
+    allocate (levers(lanes, 3, size(walls)), shifts(lanes, 3, size(walls)))
+    allocate (slopes(lanes, NCORNER, NDIM))
     do w = 1, size(walls)
       call one_sided_levers(mesh, walls(w), live, motion, state, xi(:, walls(w)%axis), &
-                            levers(:, :, w), some)
+                            levers(:, :, w), shifts(:, :, w), some)
     end do
     call linear_gradients(xi, 1.0_dp, slopes)
   end subroutine mover_walls
 
   !> The same for one of them, added.
-  pure subroutine add_mover_walls(mesh, walls, task, lane, levers, slopes, sums)
+  pure subroutine add_mover_walls(mesh, walls, task, lane, levers, shifts, slopes, sums)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: walls(:)
     type(task_t), intent(in) :: task
     integer, intent(in) :: lane
-    real(dp), intent(in) :: levers(:, :, :), slopes(:, :, :)
+    real(dp), intent(in) :: levers(:, :, :), shifts(:, :, :), slopes(:, :, :)
     real(dp), intent(inout) :: sums(largest_stencil, most_columns)
     integer :: a, w
     do w = 1, size(walls)
-      do a = 1, NDIM
-        if (walls(w)%columns(a) == 0) cycle
-        call add_product(NCORNER, levers(lane, a, w), slopes(lane, :, walls(w)%axis), &
-                         sums(1, task%pairs + task%forces + one_sided_flux(mesh, walls(w), a)))
-      end do
+      associate (wall => walls(w))
+        do a = 1, NDIM
+          if (wall%columns(a) == 0) cycle
+          call add_product(NCORNER, levers(lane, a, w), slopes(lane, :, wall%axis), &
+                           sums(1, task%pairs + task%forces + one_sided_flux(mesh, wall, a)))
+          if (.not. wall%turns .or. a == wall%axis) cycle
+          call add_product(NCORNER, shifts(lane, a, w), slopes(lane, :, wall%axis), &
+                           sums(1, task%pairs + task%push + wall%columns(a) - 1))
+        end do
+      end associate
     end do
   end subroutine add_mover_walls
 

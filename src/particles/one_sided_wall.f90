@@ -16,9 +16,12 @@ module sgmp_one_sided_wall
     real(dp) :: spacing = 0.0_dp       !! of the particles (length)
     real(dp) :: friction = 0.0_dp      !! coefficient; 0: smooth, huge: what is pressed on it stays
     real(dp) :: grip = 0.0_dp          !! shear stress per way along the wall
+    logical :: turns = .false.         !! friction acts at the face, and turns what it holds there
     integer :: way = 0                 !! state column of that way, its first component; 0: smooth
     integer :: half = 0                !! that of how much longer the half of a particle is which
                                        !! lies towards it; of a rough one that of the way across
+    integer :: rim = 0                 !! that of how much longer it was at the start, on the round
+                                       !! side of its body; 0: that is not round there
   end type one_sided_wall_t
 
 end module sgmp_one_sided_wall

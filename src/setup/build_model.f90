@@ -38,7 +38,8 @@ module sgmp_build_model
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
-  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare, one_sided_seat
+  use sgmp_one_sided_build, only: one_sided_add_columns, one_sided_declare, one_sided_rim, &
+                                  one_sided_seat
   use sgmp_parallel, only: parallel_agree, parallel_exact_sums, parallel_max, parallel_rank, &
                            parallel_ranks
   use sgmp_particles, only: particles_fill, particles_t
@@ -288,7 +289,7 @@ contains
       call absorbing_declare(card, scene%grid, mesh, material%law, body)
       call driven_declare(scene, number, body)
       call rigid_declare(card, mesh, body)
-      call one_sided_declare(scene, mesh, material%law, body)
+      call one_sided_declare(scene, mesh, kernel, material%law, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
@@ -302,7 +303,7 @@ contains
       call law_slots(body%law, tensor_axes(scene))
       call add_columns(scene, number, mesh%ndim, body)
       call stage_columns(scene%features, mesh%ndim, body)
-      call one_sided_add_columns(mesh%ndim, body)
+      call one_sided_add_columns(scene, number, mesh%ndim, body)
       call loads_add_columns(mesh%ndim, body)
       call driven_add_columns(body)
       call find_places(mesh, x)
@@ -353,7 +354,10 @@ contains
       if (mesh%graded .and. any(card%layout == [layout_gauss, layout_graded])) then
         call set_stretch(mesh, body)
       end if
-      if (seeded) call one_sided_seat(scene%grid, card, mesh, body)
+      if (seeded) then
+        call one_sided_rim(card, mesh, body)
+        call one_sided_seat(scene%grid, card, mesh, body)
+      end if
       if (seeded) call stress_fill(card, scene%gravity, mesh, body, error)
       if (allocated(error)) return
       if (seeded) call file_state_fill(card, mesh%space, body, error)

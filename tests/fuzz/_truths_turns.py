@@ -92,7 +92,8 @@ history every={0.02*end}
 
 
 class Roll(Truth):
-    """A disk or a ball that gravity draws down a rough incline at any angle: it rolls, or slides and turns."""
+    """A disk or a ball that gravity draws down a rough incline at any angle, or down the floor of a grid along the
+    incline: it rolls, or slides and turns."""
 
     def make(self):
         luck = self.luck
@@ -114,16 +115,22 @@ class Roll(Truth):
         deep = "" if space == "2" else ",-2"
         long = 4 + 0.5*g*math.sin(slope)*end**2
         ramp = f"sin(pi/2*min(t/{begin},1))^2"
+        shape, floor = luck.choice(("sphere", "cylinder" if space == "2" else "sphere")), ""
+        if self.angle == 0.0 and luck.random() < 0.6:
+            floor, ground = " y=-1:open", f"wall y-=slip\nwallfriction y- friction={mu}"
+        else:
+            ground = (
+                f"body plate block material=m lower=({x - 4},{y - 4*h}{deep}) "
+                f"upper=({x + long},{y}{deep.replace('-', '')}) ppc=2 rotation={math.degrees(self.angle)} "
+                f"pivot=({x},{y})\nrigid plate\ncontact ball plate friction={mu}"
+            )
         self.decks = [f"""dimension {space}
-grid cell={h}
+grid cell={h}{floor}
 METHOD
 time end={end} cfl=0.5
 material m elastic density=1 young={young} poisson=0.3
-body ball sphere material=m radius=1 ppc=2
-body plate block material=m lower=({x - 4},{y - 4*h}{deep}) upper=({x + long},{y}{deep.replace('-', '')}) ppc=2 &
-  rotation={math.degrees(self.angle)} pivot=({x},{y})
-rigid plate
-contact ball plate friction={mu}
+body ball {shape} material=m radius=1 ppc=2
+{ground}
 bodyforce ball x="{down[0]}*{ramp}" y="{down[1]}*{ramp}"
 history steps=50
 output csv at=end fields=velocity,mass,body

@@ -75,6 +75,15 @@ def pulled(report):
     goes_on(report, result, "pulled_again", deck, checkpoints(os.path.join(SCRATCH, "pulled"))[0])
 
 
+def moments(rows):
+    """Velocity along x and spin about the middle of some particles."""
+    mass = sum(row["mass"] for row in rows)
+    x, y, u, v = (sum(row["mass"]*row[key] for row in rows)/mass for key in ("x", "y", "velocity_x", "velocity_y"))
+    turn = sum(row["mass"]*((row["x"] - x)*(row["velocity_y"] - v) - (row["y"] - y)*(row["velocity_x"] - u))
+               for row in rows)/sum(row["mass"]*((row["x"] - x)**2 + (row["y"] - y)**2) for row in rows)
+    return u, turn
+
+
 def chosen(report):
     """What a deck without the word gets."""
     short = PULLED.replace("time end=800", "time steps=2").replace("checkpoint every=900\n", "")
@@ -116,6 +125,10 @@ def rolls(report):
         way = (rows[-1]["x"] - rows[0]["x"])/(10*0.5/3)
         report.check(abs(way - 1) < 0.02, f"rolls: {way} of a rigid wheel's way")
         report.check(result["rotation"] == "exact", f"rolls: rotation {result['rotation']}")
+    for shape in ("sphere", "cylinder"):
+        result = run(f"rolls_{shape}", ROLLS.replace("sphere", shape).replace("friction=0.4", "friction=0.1"))
+        report.check(result.summary and result["verdict"] == "coarse" and "rolls or slides" in result.text,
+                     f"rolls_{shape}: {result.text}")
     block = ROLLS.replace("sphere material=m centre=(0,1) radius=1", "block material=m lower=(-1,0) upper=(1,1)")
     flies = ROLLS.replace("gravity (5,-8.660254)\n", "")
     metal = flies.replace("elastic density=1", "j2 yield=1e3 density=1")
@@ -126,6 +139,65 @@ def rolls(report):
         result = run(f"rolls_{name}", deck.replace("end=1", "end=0.01"))
         if report.finished(result, f"rolls_{name}"):
             report.check(result["rotation"] == rotation, f"rolls_{name}: rotation {result['rotation']}")
+
+
+FLOORS = """
+dimension {space}
+grid cell=0.2 x=-2:open {floor}
+wall {face}=slip reactions=yes
+wallfriction {face} friction=0.4
+method sgmp
+time end=1.2 cfl=0.5
+gravity ({along},{down})
+material m elastic density=1 young=1e5 poisson=0.3
+body wheel {shape} radius=1 ppc=2
+history every=0.1
+output csv at=end fields=velocity,mass
+checkpoint every=300
+"""
+
+
+def floors(report):
+    """What rolls down a rough floor does so as a rigid one: it rests on its round surface, not on the facets of its
+    lattice, and friction acts there. On facets, with friction at the centres of particles, a disk of ten cells across
+    came as far as 0.72 of the way on 10 degrees."""
+    disk, floor = "cylinder material=m centre=(0,1)", "y=0:open"
+    for name, space, shape, face, slope, allowed in (
+        ("below", 2, disk, "y-", 10, 0.05), ("above", 2, disk.replace("(0,1)", "(0,-1)"), "y+", 10, 0.05),
+        ("ball", 3, "sphere material=m centre=(0,1,0)", "y-", 30, 0.03), ("tube", 2, disk, "y-", 30, 0.03),
+    ):
+        along, down = 10*math.sin(math.radians(slope)), -10*math.cos(math.radians(slope))
+        shape, inertia = (shape, 0.4) if space == 3 else (shape, 0.5)
+        if name == "tube":
+            shape, inertia = shape.replace("cylinder", "ring").replace("centre", "inner=0.4 centre"), 0.5*(1 + 0.4**2)
+        if face == "y+":
+            floor, down = "y=open:0", -down
+        else:
+            floor = "y=0:open"
+        deck = FLOORS.format(space=space, floor=floor, face=face, along=along, down=down, shape=shape)
+        result = straight(report, f"floors_{name}", deck)
+        if not result.summary:
+            continue
+        rows = result.table("bodies.csv")
+        speed = along/(1 + inertia)*1.2
+        way = (rows[-1]["x"] - rows[0]["x"])/(0.6*speed)
+        velocity, spin = moments(result.table("particles_end.csv"))
+        report.check(abs(way - 1) < allowed, f"floors_{name}: {way} of a rigid wheel's way")
+        report.check(abs(velocity/speed - 1) < allowed, f"floors_{name}: {velocity/speed} of its velocity")
+        report.check(abs(abs(spin)/speed - 1) < 0.05, f"floors_{name}: {spin/speed} of its spin")
+        report.check(abs(result["energy"]["drift"]) < 1e-3, f"floors_{name}: drift {result['energy']['drift']}")
+        pushed = result.table("history.csv")[-1][f"wall_{face}_impulse_x"]
+        gained = rows[-1]["mass"]*(velocity - along*1.2)
+        report.check(abs(pushed/gained - 1) < 1e-3, f"floors_{name}: momentum {gained}, wall {pushed}")
+        if name != "below":
+            continue
+        for other, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(2))):
+            again = straight(report, f"floors_{other}", deck, threads, launcher)
+            report.check(again.summary and again["checksum"] == result["checksum"], f"floors_{other}: other bits")
+        goes_on(report, result, "floors_again", deck, checkpoints(os.path.join(SCRATCH, f"floors_{name}"))[0])
+        fallen = run("floors_fallen", deck.replace("centre=(0,1)", "centre=(0,1.3)"))
+        report.check(fallen.summary and fallen["verdict"] == "coarse" and "falls on" in fallen.text,
+                     f"floors_fallen: {fallen.text}")
 
 
 RUBS = """
@@ -152,19 +224,17 @@ def rubs(report):
         if not report.finished(result, f"rubs_{name}"):
             continue
         rows = [row for row in result.table("particles_end.csv") if row["body"] == 1]
-        mass = sum(row["mass"] for row in rows)
-        x, y, u, v = (sum(row["mass"]*row[key] for row in rows)/mass for key in ("x", "y", "velocity_x", "velocity_y"))
-        turn = sum(row["mass"]*((row["x"] - x)*(row["velocity_y"] - v) - (row["y"] - y)*(row["velocity_x"] - u))
-                   for row in rows)/sum(row["mass"]*((row["x"] - x)**2 + (row["y"] - y)**2) for row in rows)
+        u, turn = moments(rows)
+        v = sum(row["mass"]*row["velocity_y"] for row in rows)/sum(row["mass"] for row in rows)
         kick = 0.3*(v + 0.01)
         report.check(abs((0.03 - u)/kick - 1) < 0.02, f"rubs_{name}: lost {0.03 - u}, not {kick}")
-        told = 0.05 if name == "plate" else result["verdict_error"]
-        report.check(abs(-turn/(2*kick) - 1) < told < 0.15, f"rubs_{name}: spin {turn}, not {-2*kick}")
+        report.check(abs(-turn/(2*kick) - 1) < (0.05 if name == "plate" else 0.06),
+                     f"rubs_{name}: spin {turn}, not {-2*kick}")
 
 
 def main():
     report = Report()
-    for check in (rest, pulled, chosen, rolls, rubs):
+    for check in (rest, pulled, chosen, rolls, floors, rubs):
         check(report)
     report.end()
 

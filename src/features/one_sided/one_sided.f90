@@ -1,6 +1,7 @@
 !> Walls of the grid that let go: what they do to particles (doc/loads.md, Bodies near walls).
 !!
-!! The face of a particle with the volume V and the spacing s lies w from its centre, s/2 at first.
+!! The face of a particle with the volume V and the spacing s lies w from its centre, s/2 at first;
+!! of balls and what rolls at their round surface, so that they do not roll on facets.
 !! Where it is beyond the wall by the depth d it is pushed back by
 !!     f = K d V/s,   K = 0.4 rho c^2/h (4 rho c^2/h where something is pressed),            (OS1)
 !! the force of a spring with the energy K d^2 V/(2 s), which comes back. The bed of a floor, its
@@ -22,6 +23,15 @@
 !! energy in thirty vibrations.) What a particle keeps for that, w - s/2 and u, begins anew where
 !! it comes within a cell of the wall.
 !!
+!! Stresses have no moment: friction that came as f w would turn a body as if it acted at the
+!! centres of its particles, and what rolls would roll on a smaller radius. So where stresses act at
+!! centres friction is taken to the face itself, by
+!!     -+ t w/h                                                                       (OS5)
+!! more of it at the centre above than at the one below, - at a lower wall, with
+!! A = h^2 xi_f (1 - xi_f)/2 at the place xi_f of the face; and the face goes along the wall by
+!!     dx_f = dx -+ w (l_above + l_below)/2 - A (e_above - e_below),                     (OS6)
+!! l the change of the displacement along it across it.
+!!
 !! Velocities lie half a step before the places that go with them. So the energy of a spring that
 !! adds up with theirs is K d d' V/(2 s), d and d' the depths before and after a step, and not
 !! K d'^2 V/(2 s): the difference is a sum of its own, which the account takes back a step later.
@@ -35,7 +45,7 @@ module sgmp_one_sided
   use sgmp_sums, only: sum_applied, sum_springs, sweep_sums
   implicit none
   private
-  public :: one_sided_arms, one_sided_drift, one_sided_flux, one_sided_forces, &
+  public :: one_sided_arms, one_sided_drift, one_sided_face, one_sided_flux, one_sided_forces, &
             one_sided_gap, one_sided_levers, one_sided_load, one_sided_push, &
             one_sided_reached, one_sided_strain
 
@@ -67,6 +77,7 @@ contains
           do a = 1, mesh%ndim
             if (wall%columns(a) == 0) cycle
             force(l, wall%columns(a)) = force(l, wall%columns(a)) + push(a)
+            if (wall%turns .and. a /= wall%axis) cycle
             associate (stress => flux(l, one_sided_flux(mesh, wall, a)))
               stress = stress + to_face(wall, state(l, wall%half))*inwards(wall)*push(a)
             end associate
@@ -85,37 +96,59 @@ contains
   end function one_sided_flux
 
   !> What the forces of a wall add at the centre above a particle along the wall's axis, and take at
-  !! the one below, component by component (OS3); zero where nothing is pushed.
-  pure subroutine one_sided_levers(mesh, wall, live, motion, state, xi, levers, some)
+  !! the one below, component by component: to stresses (OS3), and to forces (OS5); zero where
+  !! nothing is pushed.
+  pure subroutine one_sided_levers(mesh, wall, live, motion, state, xi, levers, shifts, some)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
     real(dp), intent(in) :: live(lanes), motion(lanes, *), state(lanes, *)
     real(dp), intent(in) :: xi(lanes)            !! place along the axis, from the centre below
-    real(dp), intent(out) :: levers(lanes, 3)
+    real(dp), intent(out) :: levers(lanes, 3), shifts(lanes, 3)
     logical, intent(out) :: some                 !! some are pushed
-    real(dp) :: arms(lanes)
-    integer :: l
+    real(dp) :: arms(lanes, 3), ways(lanes, 3), push(3)
+    integer :: a, l
     levers = 0.0_dp
+    shifts = 0.0_dp
     some = one_sided_reached(wall, motion(:, wall%axis))
     if (.not. some) return
-    arms = one_sided_arms(mesh, wall, xi, state)
+    do a = 1, 3
+      arms(:, a) = one_sided_arms(mesh, wall, a, xi, state)
+      ways(:, a) = one_sided_face(mesh, wall, a, state)
+    end do
     do l = 1, lanes
       if (live(l) <= 0.0_dp) cycle
-      levers(l, :) = arms(l)*forces_on(mesh, wall, l, motion, state)
+      push = forces_on(mesh, wall, l, motion, state)
+      levers(l, :) = arms(l, :)*push
+      shifts(l, :) = ways(l, :)*push
     end do
-    some = any(abs(levers(:, wall%axis)) > 0.0_dp)
+    some = any(abs(levers) > 0.0_dp) .or. any(abs(shifts) > 0.0_dp)
   end subroutine one_sided_levers
 
-  !> Their arms over the cell side, A/h (OS3).
-  pure function one_sided_arms(mesh, wall, xi, state) result(arms)
+  !> Their arms over the cell side for a component, A/h (OS3, OS5).
+  pure function one_sided_arms(mesh, wall, a, xi, state) result(arms)
     type(mesh_t), intent(in) :: mesh
     type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: a
     real(dp), intent(in) :: xi(lanes)            !! place along the axis, from the centre below
     real(dp), intent(in) :: state(lanes, *)
-    real(dp) :: arms(lanes)
-    arms = 0.5_dp*mesh%h*xi*(1.0_dp - xi) - &
-           0.5_dp*mesh%inverse_h*to_face(wall, state(:lanes, wall%half))**2
+    real(dp) :: arms(lanes), place(lanes)
+    place = xi + one_sided_face(mesh, wall, a, state)
+    arms = 0.5_dp*mesh%h*place*(1.0_dp - place)
+    if (wall%turns .and. a /= wall%axis) return
+    arms = arms - 0.5_dp*mesh%inverse_h*to_face(wall, state(:lanes, wall%half))**2
   end function one_sided_arms
+
+  !> The way (cells) by which a component of the forces is taken to the face (OS5).
+  pure function one_sided_face(mesh, wall, a, state) result(ways)
+    type(mesh_t), intent(in) :: mesh
+    type(one_sided_wall_t), intent(in) :: wall
+    integer, intent(in) :: a
+    real(dp), intent(in) :: state(lanes, *)
+    real(dp) :: ways(lanes)
+    ways = 0.0_dp
+    if (.not. wall%turns .or. a == wall%axis) return
+    ways = -inwards(wall)*mesh%inverse_h*to_face(wall, state(:lanes, wall%half))
+  end function one_sided_face
 
   !> Moves the particles of a chunk along walls and books the energy that these give to them.
   pure subroutine one_sided_drift(mesh, walls, live, motion, drifted, state, sums)
@@ -153,7 +186,8 @@ contains
     real(dp), intent(inout) :: state(lanes, *)
     real(dp), intent(in) :: dt
     real(dp), intent(in) :: gradient(lanes, mesh%ndim, *)  !! of the velocity (axis, component)
-    real(dp), intent(in) :: jumps(lanes, 3, *)   !! velocities of faces by levers, per wall
+    real(dp), intent(in) :: jumps(lanes, 3, *)
+      !! minus the velocities of faces by levers (OS4), and by all that is not dx in (OS6), per wall
     real(dp), intent(inout) :: sums(lanes, sweep_sums)
     real(dp) :: rate, gone(3)
     integer :: a, l, w
@@ -165,7 +199,7 @@ contains
           if (live(l) <= 0.0_dp .or. .not. near(wall, motion(l, n), most=1.0_dp)) cycle
           do a = 1, mesh%ndim
             rate = gradient(l, n, a)
-            if (a /= n) rate = rate + gradient(l, a, n)
+            if (a /= n) rate = merge(0.0_dp, rate + gradient(l, a, n), wall%turns)
             gone(a) = -dt*(inwards(wall)*to_face(wall, state(l, wall%half))*rate + jumps(l, a, w))
           end do
           call move_face(mesh, wall, l, motion(l, n), gone, .true., state, sums)
@@ -313,8 +347,9 @@ contains
     type(one_sided_wall_t), intent(in) :: wall
     integer, intent(in) :: l                     !! lane
     real(dp), intent(inout) :: state(lanes, *)
-    state(l, wall%half) = 0.0_dp
     if (wall%way > 0) state(l, wall%way:wall%way + mesh%ndim - 1) = 0.0_dp
+    state(l, wall%half) = 0.0_dp
+    if (wall%rim > 0) state(l, wall%half) = state(l, wall%rim)
   end subroutine forget
 
   !> Whether particles of a chunk may have come to a wall.
