@@ -16,6 +16,7 @@ module sgmp_verdict
   use sgmp_judge_fronts, only: judge_fronts
   use sgmp_judge_gases, only: judge_charges, judge_cushions, judge_mines
   use sgmp_judge_heat, only: judge_heat
+  use sgmp_judge_punches, only: judge_punches
   use sgmp_judge_rolling, only: judge_rolling
   use sgmp_judge_spall, only: judge_spall
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
@@ -110,6 +111,7 @@ contains
     call judge_bonds(self%opinion, scene, model)
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
+    call judge_punches(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)
     call judge_toppling(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)

@@ -180,4 +180,47 @@ output csv at=end fields=initial_position,mass,body
         return [("angle", abs(math.atan2(sine, cosine))/self.truth - 1, 0.12)]
 
 
-CLASSES = (Drag, Sit, Tumble, Topple)
+class Footing(Truth):
+    """A rigid strip that is pressed into clay bears (2 + pi) c b (Prandtl), smooth or rough, half of it beside a plane
+    of symmetry or whole, at any place in the grid and any angle to it."""
+
+    def make(self):
+        luck = self.luck
+        n, half = luck.choice((4, 6, 8)), luck.random() < 0.4
+        h, self.cells = 0.5/n, n if half else 2*n
+        angle = 0.0 if half or luck.random() < 0.5 else luck.uniform(0, 2*math.pi)
+        aside = 0.0 if half or luck.random() < 0.5 else luck.uniform(0, h)
+        self.half, friction = half, luck.choice((0, 0.3, 1))
+        self.down = turned(angle, 0, -1)
+        speed, ramp = 1.0, 0.02
+        corners = (0.0 if half else -2.5, 2.5, 0.0 if half else -0.5 + aside, 0.5 + aside)
+        walls = "wall x-=slip" if half else ""
+        grid = " x=0:open" if half else ""
+        clay, strip = ((f"block material={name} lower=({low},{bottom}) upper=({high},{top})"
+                        f" rotation={math.degrees(angle)} pivot=(0,0)")
+                       for name, low, high, bottom, top in (
+                           ("clay", corners[0], corners[1], -2.0, 0.0), ("steel", corners[2], corners[3], 0.0, 3*h)))
+        sine, cosine = math.sin(angle), math.cos(angle)
+        held = f"max({sine}*x-{cosine}*y-2,abs({cosine}*x+{sine}*y)-2.5)>-{2*h}"  # its lower and lateral faces
+        self.decks = [f"""dimension 2
+grid cell={h}{grid}
+{walls}
+METHOD
+time end=0.04 cfl=0.5
+material clay j2 density=3e-3 young=1000 poisson=0.45 yield=sqrt(3)
+material steel elastic density=1 young=1 poisson=0.3
+body soil {clay}
+body footing {strip}
+motion soil where="{held}" x=0 y=0
+rigid footing x="{speed*self.down[0]}*min(t/{ramp},1)" y="{speed*self.down[1]}*min(t/{ramp},1)"
+contact footing soil friction={friction}
+history every=0.002
+"""]
+
+    def errors(self, results):
+        rows = [row for row in results[0].contacts if row["time"] > 0.02]
+        force = -sum(row["force_x"]*self.down[0] + row["force_y"]*self.down[1] for row in rows)/len(rows)
+        return [("force", force/((2 + math.pi)*(0.5 if self.half else 1.0)) - 1, 0.05)]
+
+
+CLASSES = (Drag, Sit, Tumble, Topple, Footing)

@@ -78,14 +78,15 @@ class Result:
             self.code, self.printed = done.returncode, done.stdout.decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
             self.code, self.printed = -14, "took too long"
-        self.verdict, self.summary, self.history, self.bodies, self.rows, self.motions = "", {}, [], [], [], []
+        self.verdict, self.summary, self.history, self.bodies, self.rows = "", {}, [], [], []
+        self.motions, self.contacts = [], []
         if self.code == 0:
             with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
                 self.summary = json.load(file)
             self.verdict = self.summary["verdict"]
-            self.history, self.bodies, self.rows, self.motions = (
+            self.history, self.bodies, self.rows, self.motions, self.contacts = (
                 table(os.path.join(out, name))
-                for name in ("history.csv", "bodies.csv", "particles_end.csv", "motion.csv")
+                for name in ("history.csv", "bodies.csv", "particles_end.csv", "motion.csv", "contact.csv")
             )
         shutil.rmtree(out, ignore_errors=True)
 

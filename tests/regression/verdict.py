@@ -528,6 +528,7 @@ def criteria(report):
     waves(report)
     flash(report)
     vacuum(report)
+    punches(report)
     rolls(report)
     spall(report)
     spray(report)
@@ -1168,6 +1169,33 @@ def vacuum(report):
         abs(momentum/0.7 - 1) < 0.02 and 0.1 < result["end_state.volume_without_room"] < 0.13,
         f"vacuum: {momentum}, {result['end_state']}",
     )
+
+
+FOOTING = """
+parameter h = 0.1
+dimension 2
+grid cell=h x=0:4 y=0:2.4
+wall x-=slip x+=slip y-=fixed
+method sgmp
+time end=0.06
+material clay j2 density=1e-2 young=1000 poisson=0.45 yield=sqrt(3)
+material steel elastic density=1 young=1 poisson=0.3
+body soil block material=clay lower=(0,0) upper=(4,2)
+body footing block material=steel lower=(0,2) upper=(0.5,2.2)
+rigid footing y="-min(t/0.02,1)"
+contact footing soil friction=1
+history every=0.004
+"""
+
+
+def punches(report):
+    """A strip footing on clay bears (2 + pi) c b (Prandtl), but for its edges; a plate that covers all has none."""
+    result = coarse(report, "footing", FOOTING, "whose edges act half a cell too far outside", 0.1)
+    rows = [row for row in result.table("contact.csv") if row["time"] > 0.039]
+    borne = sum(row["force_y"] for row in rows)/len(rows)/(0.5*(2 + math.pi))
+    report.check(1 < borne < 1 + result["verdict_error"], f"footing: bears {borne}, told {result['verdict_error']}")
+    covers = run("footing_covers", FOOTING.replace("upper=(0.5,2.2)", "upper=(4,2.2)"))
+    report.check(not any("edges" in why for why in covers["verdict_reasons"]), f"footing_covers: {covers.text}")
 
 
 def rolls(report):

@@ -1,0 +1,92 @@
+!> What bodies that are held and have a flat face, narrower than what they press on, say about a run
+!! (doc/verdict.md).
+!!
+!! Contact acts at nodes, and a node at the edge of the face stands for half a cell beyond it: the
+!! face acts as if it were wider by half a cell and more at each edge. Strips on clay, 4 to 24 cells
+!! wide, bear up to 0.9/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
+!! of the random scenes).
+module sgmp_judge_punches
+  use sgmp_constitutive, only: law_is_spherical
+  use sgmp_kinds, only: dp
+  use sgmp_mesh, only: mesh_t
+  use sgmp_model, only: model_t
+  use sgmp_opinion, only: opinion_t
+  use sgmp_scene, only: body_card_t, scene_t
+  use sgmp_shapes, only: shape_block, shapes_box
+  use sgmp_space, only: space_axisymmetric
+  use sgmp_text, only: real_text_about
+  use sgmp_turn, only: turn_direction, turn_inverse, turn_same
+  implicit none
+  private
+  public :: judge_punches
+
+  real(dp), parameter :: edge_cells = 0.9_dp     !! by which an edge acts too far outside
+  real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
+  real(dp), parameter :: straight = 0.9_dp       !! part of the impulse that is across the face
+  real(dp), parameter :: least_step = 1.0_dp     !! cells from an edge to where the other body ends
+
+contains
+
+  !> Blocks that are held and have pressed on a deformable solid.
+  subroutine judge_punches(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: error, cells
+    integer :: p, b
+    if (model%mesh%ndim == 1) return
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p))
+        if (.not. norm2(pair%impulse) > 0.0_dp .or. any(pair%body > size(scene%bodies))) cycle
+        b = findloc(pair%held, .true., dim=1)
+        if (b == 0 .or. all(pair%held)) cycle
+        if (law_is_spherical(model%bodies(pair%body(3 - b))%law)) cycle
+        call look_at_edges(scene%bodies(pair%body(b)), scene%bodies(pair%body(3 - b)), &
+                           model%mesh, pair%impulse, error, cells)
+        if (error <= least_told) cycle
+        call opinion%expect(max(error, least_error), &
+                            "body '"//trim(model%bodies(pair%body(b))%name)//"' presses on '"// &
+                            trim(model%bodies(pair%body(3 - b))%name)//"' with a face of "// &
+                            real_text_about(cells)//' cells, whose edges act half a cell too '// &
+                            'far outside: use smaller cells')
+        return
+      end associate
+    end do
+  end subroutine judge_punches
+
+  !> The error by the edges of a block's face that lie on another block, and the cells across it.
+  pure subroutine look_at_edges(card, other, mesh, impulse, error, cells)
+    type(body_card_t), intent(in) :: card, other
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: impulse(3)
+    real(dp), intent(out) :: error
+    real(dp), intent(out) :: cells               !! of the narrowest face that has such edges
+    real(dp) :: own(3, 2), its(3, 2), across(3), step
+    integer :: a, edges
+    error = 0.0_dp
+    cells = huge(1.0_dp)
+    if (.not. (is_block(card) .and. is_block(other))) return
+    if (.not. turn_same(card%turn, other%turn)) return
+    across = turn_direction(turn_inverse(card%turn), impulse)
+    call shapes_box(card%shapes, own(:, 1), own(:, 2))
+    call shapes_box(other%shapes, its(:, 1), its(:, 2))
+    step = least_step*mesh%h
+    do a = 1, mesh%ndim
+      if (abs(across(a)) > straight*norm2(across)) cycle
+      edges = count([own(a, 1) > its(a, 1) + step, own(a, 2) < its(a, 2) - step])
+      if (edges == 0) cycle
+      if (mesh%space == space_axisymmetric) edges = 2
+      cells = min(cells, (own(a, 2) - own(a, 1))/mesh%h)
+      error = error + edge_cells*edges*mesh%h/(own(a, 2) - own(a, 1))
+    end do
+  end subroutine look_at_edges
+
+  !> Whether a body is made of one block.
+  pure logical function is_block(card) result(yes)
+    type(body_card_t), intent(in) :: card
+    yes = allocated(card%shapes)
+    if (yes) yes = size(card%shapes) == 1
+    if (yes) yes = card%shapes(1)%kind == shape_block
+  end function is_block
+
+end module sgmp_judge_punches
