@@ -1,12 +1,13 @@
-!> What bodies that are held and have a flat face, narrower than what they press on, say about a run
-!! (doc/verdict.md).
+!> What bodies that are held, or stiff, and have a flat face, narrower than what they press on, say
+!! about a run (doc/verdict.md).
 !!
 !! Contact acts at nodes, and a node at the edge of the face stands for half a cell beyond it: the
 !! face acts as if it were wider by half a cell and more at each edge. Strips on clay, 4 to 24 cells
 !! wide, bear up to 0.9/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
 !! of the random scenes).
 module sgmp_judge_punches
-  use sgmp_constitutive, only: law_is_spherical
+  use sgmp_constitutive, only: law_bends, law_is_spherical, law_is_springy, law_wave_modulus
+  use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
@@ -23,11 +24,12 @@ module sgmp_judge_punches
   real(dp), parameter :: edge_cells = 0.9_dp     !! by which an edge acts too far outside
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
   real(dp), parameter :: straight = 0.9_dp       !! part of the impulse that is across the face
+  real(dp), parameter :: stiffer = 5.0_dp        !! moduli of plane waves, of what digs in
   real(dp), parameter :: least_step = 1.0_dp     !! cells from an edge to where the other body ends
 
 contains
 
-  !> Blocks that are held and have pressed on a deformable solid.
+  !> Blocks that are held, or stiff, and have pressed on a deformable solid.
   subroutine judge_punches(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -38,8 +40,10 @@ contains
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
         if (.not. norm2(pair%impulse) > 0.0_dp .or. any(pair%body > size(scene%bodies))) cycle
-        b = findloc(pair%held, .true., dim=1)
-        if (b == 0 .or. all(pair%held)) cycle
+        if (all(pair%held)) cycle
+        b = findloc(pair%held .or. [(digs_in(scene, model, pair%body(b), pair%body(3 - b)), &
+                                     b=1, 2)], .true., dim=1)
+        if (b == 0) cycle
         if (law_is_spherical(model%bodies(pair%body(3 - b))%law)) cycle
         call look_at_edges(scene%bodies(pair%body(b)), scene%bodies(pair%body(3 - b)), &
                            model%mesh, pair%impulse, error, cells)
@@ -53,6 +57,31 @@ contains
       end associate
     end do
   end subroutine judge_punches
+
+  !> Whether a stiff body presses on one that yields, both at rest at first: where they are shot at
+  !! each other more than edges matters.
+  pure function digs_in(scene, model, own, other) result(yes)
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: own, other            !! bodies
+    logical :: yes
+    integer :: a, n
+    n = model%mesh%ndim
+    associate (law => model%bodies(other)%law)
+      yes = law_bends(law) .and. .not. law_is_springy(law) .and. &
+            law_wave_modulus(model%bodies(own)%law) > stiffer*law_wave_modulus(law)
+    end associate
+    do a = 1, merge(n, 0, yes)
+      yes = yes .and. at_rest(scene%bodies(own)%velocity(a)) .and. &
+            at_rest(scene%bodies(other)%velocity(a))
+    end do
+  end function digs_in
+
+  !> Whether a component of a velocity is zero.
+  pure logical function at_rest(velocity) result(yes)
+    type(expression_t), intent(in) :: velocity
+    yes = velocity%is_constant .and. abs(velocity%value) <= 0.0_dp
+  end function at_rest
 
   !> The error by the edges of a block's face that lie on another block, and the cells across it.
   pure subroutine look_at_edges(card, other, mesh, impulse, error, cells)

@@ -1194,6 +1194,10 @@ def punches(report):
     rows = [row for row in result.table("contact.csv") if row["time"] > 0.039]
     borne = sum(row["force_y"] for row in rows)/len(rows)/(0.5*(2 + math.pi))
     report.check(1 < borne < 1 + result["verdict_error"], f"footing: bears {borne}, told {result['verdict_error']}")
+    stiff = FOOTING.replace("young=1 ", "young=1e5 ").replace(
+        'rigid footing y="-min(t/0.02,1)"', "pressure footing face=y+ p=5*min(t/0.02,1)\ntime end=0.005")
+    stiff = stiff.replace("time end=0.06\n", "")
+    coarse(report, "footing_stiff", stiff, "whose edges act half a cell too far outside", 0.1)
     covers = run("footing_covers", FOOTING.replace("upper=(0.5,2.2)", "upper=(4,2.2)"))
     report.check(not any("edges" in why for why in covers["verdict_reasons"]), f"footing_covers: {covers.text}")
 
