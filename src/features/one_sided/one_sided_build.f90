@@ -119,7 +119,7 @@ contains
     real(dp) :: across(3)
     yes = .false.
     if (.not. (scene_pulls(scene) .and. wall%friction > 0.0_dp)) return
-    if (card%layout == layout_file) return
+    if (scene%axisymmetric .or. card%layout == layout_file) return  ! rings do not roll
     if (.not. allocated(card%shapes)) return
     across = 0.0_dp
     across(wall%axis) = 1.0_dp
