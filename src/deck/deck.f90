@@ -22,7 +22,7 @@ module sgmp_deck
   use sgmp_parameters, only: parameters_t
   use sgmp_particle_number, only: particle_number_settle
   use sgmp_registry, only: read_first, read_last, read_second, read_third, registry_t
-  use sgmp_rolling, only: scene_presses, scene_rolls
+  use sgmp_rolling, only: scene_rolls, scene_weighs
   use sgmp_scene, only: alternatives_t, scene_t
   use sgmp_scene_draft, only: draft_t
   use sgmp_spelling, only: string_t, suggestion, word_items, word_lower
@@ -161,7 +161,7 @@ contains
       words = combinations_bodies//' '//combinations_walls
       return
     end if
-    if (scene_presses(scene)) words = combinations_bodies
+    if (scene_weighs(scene)) words = combinations_bodies
     if (.not. faultless) return
     if (walls_apart_from_rubbing(scene)) words = words//' '//combinations_walls
   end function rubbing

@@ -7,7 +7,7 @@ module sgmp_rolling
   use sgmp_shapes, only: shape_cylinder, shape_ring, shape_sphere
   implicit none
   private
-  public :: scene_presses, scene_rolls, scene_rubbed
+  public :: scene_rolls, scene_rubbed, scene_weighs
 
 contains
 
@@ -33,7 +33,7 @@ contains
 
   !> Whether gravity or a body force presses a deformable solid onto something: a stiff block that
   !! is pushed over would stay upright.
-  pure function scene_presses(scene) result(yes)
+  pure function scene_weighs(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
     integer :: b
@@ -45,7 +45,7 @@ contains
         yes = yes .or. law_bends(scene%materials(body%material)%law)
       end associate
     end do
-  end function scene_presses
+  end function scene_weighs
 
   !> Whether bodies turn in plane or space, and none that others rub is moved in part: there exact
   !! rotation is refused.
