@@ -197,6 +197,8 @@ def floors(report):
             again = straight(report, f"floors_{other}", short, threads, launcher)
             report.check(again.summary and again["checksum"] == begun["checksum"], f"floors_{other}: other bits")
         goes_on(report, begun, "floors_again", short, checkpoints(os.path.join(SCRATCH, "floors_short"))[0])
+        plain = run("floors_plain", deck.replace("method sgmp", "method sgmp rotation=plain"))
+        report.check(plain.summary and "its way wants rotation=exact" in plain.text, f"floors_plain: {plain.text}")
         fallen = run("floors_fallen", deck.replace("centre=(0,1)", "centre=(0,1.3)"))
         report.check(fallen.summary and fallen["verdict"] == "coarse" and "falls on" in fallen.text,
                      f"floors_fallen: {fallen.text}")
