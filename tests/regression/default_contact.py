@@ -53,6 +53,27 @@ body w block material=w lower=(0,0) upper=(2,2) ppc=2
 body m block material=m lower=(0,2) upper=(1,3) ppc=2
 history steps=50
 """
+# A heavy block that is set on water sinks; a wedge is driven into water at rest at a constant speed.
+SINKS = FLOATS.replace("x=0:2", "x=0:4").replace("(2,2)", "(4,5)").replace("surface=2", "surface=5").replace(
+    "(0,2) upper=(1,3)", "(0,5) upper=(1,6)").replace("cell=0.25", "cell=0.2").replace("end=30", "end=6").replace(
+    "damping rate=1\n", "").replace("elastic density=0.5", "elastic density=1.5")
+SLAMS = """
+parameter angle = 30   ! of its faces with the water
+parameter depth = 0.6
+parameter slope = tan(angle*pi/180)
+dimension 2
+grid cell=0.05 x=0:6 y=-4:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=depth cfl=0.5
+material w fluid density=1
+eos w tait c0=20
+material s elastic density=3 young=1e4 poisson=0.3
+body w block material=w lower=(0,-4) upper=(6,0) ppc=2
+body s polygon material=s corners=(0,0),(2.5,2.5*slope),(2.5,2.5*slope+0.5),(0,2.5*slope+0.5) ppc=2
+rigid s y=-1
+history every=0.02
+"""
 # A plate falls on another, and is lifted again.
 LIFTED = """
 dimension 2
@@ -222,6 +243,31 @@ def floats():
         report.check(bonded["surfaces"] == expected, f"floats, bonded{words}: surfaces {bonded['surfaces']}")
 
 
+def sinks():
+    """What sinks is not entered by the water that flows round it."""
+    result = run("sinks", SINKS)
+    if not report.finished(result, "sinks"):
+        return
+    inside = result["end_state.particles_inside_other_bodies"]
+    why = result["verdict_reasons"]
+    report.check(inside == 0 and result["verdict"] != "doubtful", f"sinks: {inside} inside, {why}")
+    heights = [row["y"] for row in result.table("bodies.csv") if row["name"] == "m"]
+    report.check(3 < heights[-1] < 4 and heights == sorted(heights, reverse=True), f"sinks: {heights}")
+
+
+def slams():
+    """A wedge in water: the force grows with the time, 14.14 rho v^3 t for both faces at 30 degrees (similarity
+    solution of Zhao and Faltinsen, J. Fluid Mech. 246, 1993, from memory of the literature); walls around take it up by some percent. At 45 degrees the first
+    drop that is met, which is given next to nothing, does not end the run."""
+    result = run("slams", SLAMS)
+    if report.finished(result, "slams"):
+        rows = [row for row in result.table("contact.csv") if row["time"] > 0.4]
+        ratio = sum(abs(row["force_y"]) for row in rows)/sum(14.139/2*(row["time"] - 0.01) for row in rows)
+        report.check(abs(ratio - 1.03) < 0.1, f"slams: {ratio} of the force")
+        report.check(result["end_state.particles_inside_other_bodies"] == 0, "slams: water is inside the wedge")
+    report.finished(run("slams_45", SLAMS, angle=45, depth=0.1), "slams, 45 degrees")
+
+
 def told():
     """--check says what is done."""
     deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
@@ -238,5 +284,7 @@ slug()
 rows()
 jet()
 floats()
+sinks()
+slams()
 told()
 report.end()

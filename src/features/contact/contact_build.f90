@@ -65,7 +65,7 @@ contains
         pair%held = [(is_held(scene, model, pair%body(side)), side=1, 2)]
         if (any(pair%held)) pair%reach = reach_of(scene, model, pair)
         pair%fills = pair%normal == normal_separating .and. &
-                     any(law_gaseous(model%bodies%law) .and. &
+                     any(law_is_spherical(model%bodies%law) .and. &
                          (model%bodies%field == pair%field(1) .or. &
                           model%bodies%field == pair%field(2)))
         model%contact%pairs = [model%contact%pairs, pair]

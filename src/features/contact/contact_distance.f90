@@ -118,8 +118,9 @@ contains
       above = -reach(size(clouds%second, 1), balls(2), clouds%second, -normal, near2)
       below = reach(size(clouds%first, 1), balls(1), clouds%first, normal, near2)
       shared%gap(l) = max(0.0_dp, above - below - pair%lambda)
-      ! Gas is so thin or so stretched that no particle may lie near the normal, and goes through
-      ! what does not wait for it: all its particles around count.
+      ! Fluids are so thin or so stretched, gas in space and water along what it flows past, that no
+      ! particle may lie near the normal, and go through what does not wait for them: all their
+      ! particles around count.
       if (pair%fills) shared%gap(l) = max(0.0_dp, length - pair%lambda)
       ! Half way between the surfaces, seen from the node, is where the bodies touch.
       shared%middle(l) = 0.5_dp*above + 0.5_dp*below

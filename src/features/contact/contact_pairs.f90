@@ -36,7 +36,7 @@ module sgmp_contact_pairs
     integer :: family = 0
       !! of bodies that touch themselves, where both are labels of it (sgmp_self_contact)
     logical :: fills = .false.
-      !! one of the fields is gas, which comes as near as any of its particles does
+      !! one of the fields is a fluid, which comes as near as any of its particles does
     ! what has happened since the start, vectors along the axes of output
     real(dp) :: impulse(3) = 0.0_dp        !! on the first body
     real(dp) :: angular_impulse(3) = 0.0_dp  !! on the first body, about the origin
