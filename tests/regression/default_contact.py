@@ -257,8 +257,9 @@ def sinks():
 
 def slams():
     """A wedge in water: the force grows with the time, 14.14 rho v^3 t for both faces at 30 degrees (similarity
-    solution of Zhao and Faltinsen, J. Fluid Mech. 246, 1993, from memory of the literature); walls around take it up by some percent. At 45 degrees the first
-    drop that is met, which is given next to nothing, does not end the run."""
+    solution of Zhao and Faltinsen, J. Fluid Mech. 246, 1993, from memory of the literature); walls
+    around take it up by some percent. At 45 degrees the first drop that is met, which is given next to nothing, does
+    not end the run."""
     result = run("slams", SLAMS)
     if report.finished(result, "slams"):
         rows = [row for row in result.table("contact.csv") if row["time"] > 0.4]
