@@ -1,5 +1,7 @@
 """More classes of tests/fuzz/_truths.py: water between explosives and metals, of which the truth is the Lagrangian code
-of _lagrange.py, and under what floats on it."""
+of _lagrange.py, under what floats on it, and before what is driven into it."""
+import math
+
 from _lagrange import Water
 from _truths import Truth, body_end
 from _truths_layers import METALS, Matter, Shell, Stack, metal, tnt
@@ -92,4 +94,36 @@ history steps=50
         return [("height", body_end(results[0], "m", "y") - middle, 0.1)]
 
 
-CLASSES = (Sea, Well, Float)
+class Slam(Truth):
+    """Half of a rigid wedge, beside a plane of symmetry, is driven into wide water at a constant speed: its force grows
+    with the time (similarity solution of R. Zhao and O. Faltinsen, J. Fluid Mech. 246, 1993, 593-612)."""
+
+    forces = {20: 42.485, 25: 23.657, 30: 14.139}  # of both faces over rho v^3 t, from memory of the literature
+
+    def make(self):
+        luck = self.luck
+        self.deadrise, self.depth = luck.choice(list(self.forces)), luck.choice((6, 8, 12, 16))
+        self.cells, slope = self.depth, math.tan(math.radians(self.deadrise))
+        wet, top = math.pi/2/slope, 5*slope  # half of the width that is wet, over the depth (Wagner)
+        self.decks = [f"""dimension 2
+grid cell={1/self.depth} x=0:open fine_x=(0,{1.2*wet}) fine_y=(-1.5,1) ratio=1.15 largest=8
+wall x-=slip
+METHOD
+time end=1 cfl=0.5
+material w fluid density=1
+eos w tait c0={luck.uniform(28, 40)}
+material s elastic density=3 young=1e4 poisson=0.3
+body w block material=w lower=(0,-25) upper=(30,0)
+body s polygon material=s corners=(0,0),(5,{top}),(5,{top + 0.5}),(0,{top + 0.5})
+rigid s y=-1
+contact s w
+history every=0.02
+"""]
+
+    def errors(self, results):
+        rows = [row for row in results[0].contacts if row["time"] > 0.6]
+        force = sum(row["force_y"] for row in rows)
+        return [("force", 2*force/sum(self.forces[self.deadrise]*(row["time"] - 0.01) for row in rows) - 1, 0.06)]
+
+
+CLASSES = (Sea, Well, Float, Slam)

@@ -529,6 +529,7 @@ def criteria(report):
     flash(report)
     vacuum(report)
     punches(report)
+    entries(report)
     rolls(report)
     spall(report)
     spray(report)
@@ -1188,6 +1189,24 @@ history every=0.004
 """
 
 
+# Half of a wedge that is driven into water.
+ENTRY = """
+parameter depth = 1
+dimension 2
+grid cell=0.1 x=0:5 y=-4:open
+wall x-=slip x+=slip y-=slip
+method sgmp
+time end=depth cfl=0.5
+material w fluid density=1
+eos w tait c0=20
+material s elastic density=3 young=1e4 poisson=0.3
+body w block material=w lower=(0,-4) upper=(5,0) ppc=2
+body s polygon material=s corners=(0,0),(3,1.5),(3,2),(0,2)
+rigid s y=-1
+contact s w
+"""
+
+
 def punches(report):
     """A strip footing on clay bears (2 + pi) c b (Prandtl), but for its edges; a plate that covers all has none."""
     result = coarse(report, "footing", FOOTING, "whose edges act half a cell too far outside", 0.1)
@@ -1200,6 +1219,18 @@ def punches(report):
     coarse(report, "footing_stiff", stiff, "whose edges act half a cell too far outside", 0.1)
     covers = run("footing_covers", FOOTING.replace("upper=(0.5,2.2)", "upper=(4,2.2)"))
     report.check(not any("edges" in why for why in covers["verdict_reasons"]), f"footing_covers: {covers.text}")
+
+
+def entries(report):
+    """A wedge is driven into water: its force is too large while few cells of water move with it. Of a plate that
+    pushes all of the water on nothing is said, nor of one that rests under what falls on it."""
+    deep = coarse(report, "entry", ENTRY, "its force is too large", 0.1)
+    less = coarse(report, "entry_less", ENTRY, "its force is too large", 0.2, depth=0.4)
+    report.check(abs(less["verdict_error"]*0.4/deep["verdict_error"] - 1) < 0.15,
+                 f"entry: told {deep['verdict_error']}, {less['verdict_error']}")
+    falls = ENTRY.replace("rigid s y=-1", "rigid s").replace("body s", "velocity w y=1\nbody s")
+    result = run("entry_falls", falls, depth=0.3)
+    report.check(not any("its force" in why for why in result["verdict_reasons"]), f"entry_falls: {result.text}")
 
 
 def rolls(report):
