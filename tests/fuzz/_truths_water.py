@@ -102,7 +102,7 @@ class Slam(Truth):
 
     def make(self):
         luck = self.luck
-        self.deadrise, self.depth = luck.choice(list(self.forces)), luck.choice((6, 8, 12, 16))
+        self.deadrise, self.depth = luck.choice(list(self.forces)), luck.choice((6, 8, 12, 16, 24))
         self.cells, slope = self.depth, math.tan(math.radians(self.deadrise))
         wet, top = math.pi/2/slope, 5*slope  # half of the width that is wet, over the depth (Wagner)
         self.decks = [f"""dimension 2
@@ -121,7 +121,7 @@ history every=0.02
 """]
 
     def errors(self, results):
-        rows = [row for row in results[0].contacts if row["time"] > 0.6]
+        rows = [row for row in results[0].contacts if row["time"] > 0.3]
         force = sum(row["force_y"] for row in rows)
         return [("force", 2*force/sum(self.forces[self.deadrise]*(row["time"] - 0.01) for row in rows) - 1, 0.06)]
 

@@ -28,6 +28,9 @@ module sgmp_contact_build
   !! for they touch in a patch of few cells, which would give way, and sharp ones, which would cut
   !! in (doc/contact.md).
   real(dp), parameter :: held_reach = 0.5_dp
+  !> The same where a liquid wets it: farther nodes would carry a layer of the liquid along, nearer
+  !! ones alone would let it come and go (class Slam of the random scenes).
+  real(dp), parameter :: wet_reach = 0.75_dp
 
 contains
 
@@ -320,7 +323,11 @@ contains
     real(dp) :: reach
     integer :: side, b
     reach = huge(1.0_dp)
-    if (pair%depth < reach .or. any(law_is_spherical(model%bodies(pair%body)%law))) return
+    if (pair%depth < reach) return
+    if (any(law_is_spherical(model%bodies(pair%body)%law))) then
+      if (.not. any(law_gaseous(model%bodies(pair%body)%law))) reach = wet_reach
+      return
+    end if
     if (any(pair%body > size(scene%bodies))) return
     do side = 1, 2
       associate (card => scene%bodies(pair%body(side)))
