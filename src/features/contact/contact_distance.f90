@@ -25,6 +25,8 @@ module sgmp_contact_distance
   real(dp), parameter :: margin = 0.25_dp
     !! gap (cells) that bodies may close in a step and that is therefore measured
   real(dp), parameter :: aside = 0.75_dp       !! see reach_squared
+  real(dp), parameter :: intruding = 0.5_dp
+    !! part of the distance of bodies that touch, below which all nodes keep a fluid out
   real(dp), parameter :: edge = 1.0e-6_dp
     !! what lies so near to a limit (cells) is on one side of it, whatever its last bits
 
@@ -127,7 +129,8 @@ contains
       if (pair%fills .and. abs(shared%middle(l)) > far*sides(1)) shared%middle(l) = 0.0_dp
       shared%near(l) = (pair%fills .or. above - below < pair%lambda + margin) .and. &
                        abs(shared%middle(l)) <= sides(1)*pair%depth + edge .and. &
-                       outside(pair, shared%middle(l)) <= sides(1)*pair%reach + edge
+                       (outside(pair, shared%middle(l)) <= sides(1)*pair%reach + edge .or. &
+                        (pair%fills .and. length <= intruding*pair%lambda))
     end associate
   end subroutine measure
 
