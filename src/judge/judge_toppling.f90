@@ -11,6 +11,7 @@ module sgmp_judge_toppling
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
+  use sgmp_rolling, only: scene_rubbed
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: combine_union, shape_block, shapes_box
   use sgmp_space, only: space_axisymmetric
@@ -60,13 +61,27 @@ contains
     if (rubs(model, b) .and. .not. scene%method%rotation .and. stiff(model, b)) then
       call opinion%object("body '"//trim(model%bodies(b)%name)//"' turns over and is stiff: "// &
                           'without exact rotation the grid strains what turns, and holds it; '// &
-                          'method sgmp rotation=exact (doc/rotation.md)')
+                          remedy(scene))
     else if (cells < fair_cells) then
       call opinion%expect(edge_error/cells, "body '"//trim(model%bodies(b)%name)//"', "// &
                           real_text_about(cells)//' cells across, turns over: the edge it '// &
                           'turns on wants smaller cells')
     end if
   end subroutine tell
+
+  !> What to do against it: beside a part that is moved exact rotation is refused.
+  function remedy(scene) result(text)
+    type(scene_t), intent(in) :: scene
+    character(:), allocatable :: text
+    integer :: m
+    text = 'method sgmp rotation=exact (doc/rotation.md)'
+    do m = 1, size(scene%motions)
+      if (scene_rubbed(scene, scene%motions(m)%body) == 0) cycle
+      text = 'hold what it stands on by walls of the grid, or make it rigid, not by a card '// &
+             'motion, beside which there is none (doc/rotation.md)'
+      return
+    end do
+  end function remedy
 
   !> Whether a body has rubbed on another.
   pure logical function rubs(model, b) result(yes)

@@ -349,7 +349,7 @@ def topples(report):
         ("topples", TOPPLES, {}, 0.29, 0.33, "8 cells across, turns over"),
         ("topples_plain", TOPPLES, {"rotation": "plain"}, 0.2, 0.29, "without exact rotation the grid strains"),
         ("topples_held", TOPPLES.replace("rigid plate", 'motion plate where="y<-0.3" x=0 y=0'), {}, 0.2, 0.29,
-         "without exact rotation the grid strains"),
+         "not by a card motion, beside which there is none"),
     ):
         result = run(name, deck, **settings)
         if not report.finished(result, name):
