@@ -19,7 +19,7 @@ module sgmp_judge_entries
   public :: judge_entries
 
   real(dp), parameter :: way = 3.6_dp            !! error times cells
-  real(dp), parameter :: least_error = 0.1_dp, enough = 70.0_dp
+  real(dp), parameter :: least_error = 0.1_dp, most_error = 0.45_dp, enough = 70.0_dp
 
 contains
 
@@ -43,7 +43,7 @@ contains
         cells = cells_moved(model, norm2(pair%impulse), norm2(model%bodies(b)%speed), &
                             model%bodies(t)%law%density)
         if (.not. cells > 0.0_dp .or. cells >= enough) cycle
-        call opinion%expect(max(least_error, way/max(cells, way)), &
+        call opinion%expect(max(least_error, min(most_error, way/cells)), &
                             "body '"//trim(model%bodies(b)%name)//"' moves as much of '"// &
                             trim(model%bodies(t)%name)//"' as is "//real_text_about(cells)// &
                             ' cells long and wide: its force scatters; use smaller cells')
