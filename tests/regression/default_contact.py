@@ -74,6 +74,37 @@ body s polygon material=s corners=(0,0),(2.5,2.5*slope),(2.5,2.5*slope+0.5),(0,2
 rigid s y=-1
 history every=0.02
 """
+# A free rigid cylinder in a shell of water is pulled; water in a rigid tank, aslant in the grid, is shaken.
+CARRIES = """
+dimension 2
+grid cell=0.125
+method sgmp
+time end=2 cfl=0.5
+material w fluid density=1
+eos w tait c0=20
+material s elastic density=2 young=1e4 poisson=0.3
+body w ring material=w centre=(0,0) radius=3 inner=1 ppc=2
+body s sphere material=s centre=(0,0) radius=1
+body out ring material=s centre=(0,0) radius=3.5 inner=3 ppc=2
+rigid s free=yes
+rigid out
+bodyforce s x=0.1
+history every=0.1
+"""
+SHAKEN = """
+dimension 2
+grid cell=0.05
+method sgmp
+time end=10 cfl=0.5
+gravity (0.5,-sqrt(0.75))
+material w fluid density=1
+eos w tait c0=15
+material s elastic density=3 young=1e4 poisson=0.3
+body w block material=w lower=(0,0) upper=(2,1) ppc=2 rotation=30 pivot=(0,0)
+body s block material=s lower=(-0.5,-0.5) upper=(2.5,2) rotation=30 pivot=(0,0)
+subtract s block lower=(0,0) upper=(2,2.1)
+rigid s x="0.05*cos(2*t)"
+"""
 # A plate falls on another, and is lifted again.
 LIFTED = """
 dimension 2
@@ -269,6 +300,24 @@ def slams():
     report.finished(run("slams_45", SLAMS, angle=45, depth=0.1), "slams, 45 degrees")
 
 
+def carries():
+    """What is rigid carries no layer of water along: in a shell of water of the radius b a cylinder of the radius a has
+    the added mass rho pi a^2 (b^2 + a^2)/(b^2 - a^2)."""
+    result = run("carries", CARRIES)
+    if report.finished(result, "carries"):
+        last = [row for row in result.table("bodies.csv") if row["name"] == "s"][-1]
+        ratio = last["velocity_x"]/(0.1*2/(2 + 10/8)*last["time"])
+        report.check(0.87 < ratio < 1.03, f"carries: {ratio} of the velocity")
+
+
+def shaken():
+    """Water stays in a tank."""
+    result = run("shaken", SHAKEN)
+    if report.finished(result, "shaken"):
+        inside = result["end_state.particles_inside_other_bodies"]
+        report.check(inside <= 16, f"shaken: {inside} of {result['particles']} particles are inside the tank's walls")
+
+
 def told():
     """--check says what is done."""
     deck = BARS.format(space=1, grid="", walls="", at=("0", "1", "1.005", "2.005"))
@@ -287,5 +336,7 @@ jet()
 floats()
 sinks()
 slams()
+carries()
+shaken()
 told()
 report.end()
