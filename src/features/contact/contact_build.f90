@@ -1,7 +1,7 @@
 !> From the cards `contact` and `rigid` to pairs of bodies and the fields that they need.
 module sgmp_contact_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_gaseous, law_is_spherical
+  use sgmp_constitutive, only: law_gaseous, law_is_spherical, law_liquid
   use sgmp_contact_pairs, only: contact_pair_t, normal_first, normal_second, normal_separating, &
                                 normal_stiffer
   use sgmp_default_contact, only: contact_leader
@@ -315,7 +315,8 @@ contains
   end function make_pair
 
   !> How far outside of a body that is held nodes are in contact: where it is a block, and covers
-  !! the other, a block, too, which has no body beside it in its field.
+  !! the other, a block, too, which has no body beside it in its field; or where nothing but liquids
+  !! wet it.
   pure function reach_of(scene, model, pair) result(reach)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
@@ -325,7 +326,11 @@ contains
     reach = huge(1.0_dp)
     if (pair%depth < reach) return
     if (any(law_is_spherical(model%bodies(pair%body)%law))) then
-      if (.not. any(law_gaseous(model%bodies(pair%body)%law))) reach = wet_reach
+      side = findloc(pair%held, .false., dim=1)
+      if (side == 0) return
+      if (all(law_liquid(model%bodies%law) .or. model%bodies%field /= pair%field(side))) then
+        reach = wet_reach
+      end if
       return
     end if
     if (any(pair%body > size(scene%bodies))) return
