@@ -28,8 +28,8 @@ module sgmp_contact_build
   !! for they touch in a patch of few cells, which would give way, and sharp ones, which would cut
   !! in (doc/contact.md).
   real(dp), parameter :: held_reach = 0.5_dp
-  !> The same where a liquid wets it: farther nodes would carry a layer of the liquid along, nearer
-  !! ones alone would let it come and go (class Slam of the random scenes).
+  !> The same outside of any solid that a liquid wets: farther nodes would carry a layer of the
+  !! liquid along, nearer ones alone would let it come and go (class Slam of the random scenes).
   real(dp), parameter :: wet_reach = 0.75_dp
 
 contains
@@ -66,7 +66,13 @@ contains
                           model%bodies(pair%body)%family > 0)
         if (is_listed(model%contact%pairs, pair%field)) cycle
         pair%held = [(is_held(scene, model, pair%body(side)), side=1, 2)]
-        if (any(pair%held)) pair%reach = reach_of(scene, model, pair)
+        pair%firm = pair%held
+        if (wets(model, pair)) then
+          pair%firm = .not. [(is_liquid(model, pair%field(side)), side=1, 2)]
+          pair%reach = wet_reach
+        else if (any(pair%held)) then
+          pair%reach = reach_of(scene, model, pair)
+        end if
         pair%fills = pair%normal == normal_separating .and. &
                      any(law_is_spherical(model%bodies%law) .and. &
                          (model%bodies%field == pair%field(1) .or. &
@@ -314,9 +320,30 @@ contains
     end if
   end function make_pair
 
+  !> Whether one of two fields is nothing but liquid, and in the other nothing flows.
+  pure logical function wets(model, pair) result(yes)
+    type(model_t), intent(in) :: model
+    type(contact_pair_t), intent(in) :: pair
+    integer :: side
+    yes = pair%depth >= huge(1.0_dp) .and. &
+          (is_liquid(model, pair%field(1)) .neqv. is_liquid(model, pair%field(2)))
+    do side = 1, merge(2, 0, yes)
+      if (is_liquid(model, pair%field(side))) cycle
+      yes = .not. any(law_is_spherical(model%bodies%law) .and. .not. model%bodies%rigid .and. &
+                      model%bodies%field == pair%field(side))
+    end do
+  end function wets
+
+  !> Whether all bodies of a field are liquids.
+  pure logical function is_liquid(model, field) result(yes)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: field
+    yes = all((law_liquid(model%bodies%law) .and. .not. model%bodies%rigid) .or. &
+              model%bodies%field /= field)
+  end function is_liquid
+
   !> How far outside of a body that is held nodes are in contact: where it is a block, and covers
-  !! the other, a block, too, which has no body beside it in its field; or where nothing but liquids
-  !! wet it.
+  !! the other, a block, too, which has no body beside it in its field.
   pure function reach_of(scene, model, pair) result(reach)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
@@ -324,15 +351,7 @@ contains
     real(dp) :: reach
     integer :: side, b
     reach = huge(1.0_dp)
-    if (pair%depth < reach) return
-    if (any(law_is_spherical(model%bodies(pair%body)%law))) then
-      side = findloc(pair%held, .false., dim=1)
-      if (side == 0) return
-      if (all(law_liquid(model%bodies%law) .or. model%bodies%field /= pair%field(side))) then
-        reach = wet_reach
-      end if
-      return
-    end if
+    if (pair%depth < reach .or. any(law_is_spherical(model%bodies(pair%body)%law))) return
     if (any(pair%body > size(scene%bodies))) return
     do side = 1, 2
       associate (card => scene%bodies(pair%body(side)))

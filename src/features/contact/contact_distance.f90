@@ -134,15 +134,15 @@ contains
     end associate
   end subroutine measure
 
-  !> How far a node lies outside of a body that is held, from where bodies touch; minus a lot if
-  !! both give way.
+  !> How far a node lies outside of a firm body, from where bodies touch; minus a lot if both give
+  !! way.
   elemental function outside(pair, middle) result(way)
     type(contact_pair_t), intent(in) :: pair
     real(dp), intent(in) :: middle               !! along the normal, from the node
     real(dp) :: way
     way = nowhere
-    if (pair%held(2)) way = middle
-    if (pair%held(1)) way = -middle
+    if (pair%firm(2)) way = middle
+    if (pair%firm(1)) way = -middle
   end function outside
 
   !> Outward direction of a member at a node, and of all that are one matter with it there.

@@ -30,8 +30,9 @@ module sgmp_contact_pairs
     real(dp) :: depth = huge(1.0_dp)
       !! contact acts at nodes this near to where the bodies touch (cells)
     logical :: held(2) = .false.           !! the body moves as prescribed, as a whole
+    logical :: firm(2) = .false.           !! it does, or is a solid that a liquid wets
     real(dp) :: reach = huge(1.0_dp)
-      !! and this near outside of such a body (cells)
+      !! and this near outside of a firm body (cells)
     integer :: normal = normal_separating  !! one of normal_*, the stiffer already resolved
     integer :: family = 0
       !! of bodies that touch themselves, where both are labels of it (sgmp_self_contact)
