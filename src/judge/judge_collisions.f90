@@ -12,11 +12,12 @@
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
   use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_is_springy, &
-                               law_liquid, law_tears
+                               law_tears
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
   use sgmp_fast_scenes, only: speed_at_start, velocity_at_start
+  use sgmp_judge_entries, only: is_pool
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_meetings, only: extent_t, meetings_extent, meetings_met
@@ -363,32 +364,11 @@ contains
       associate (pair => model%contact%pairs(p)%body)
         if (any(pair > size(scene%bodies)) .or. .not. any(pair == b)) cycle
         t = sum(pair) - b
-        wet = is_pool(scene, model, b, t)
+        wet = is_pool(scene, model, b, t, velocity_at_start(scene, b, n), covers)
         yes = yes .or. wet .or. (all_kinds .and. is_target(scene, model, t, n))
       end associate
     end do
   end function is_shot
-
-  !> Whether a body is a liquid at rest that another one, shot at it, does not cover.
-  pure logical function is_pool(scene, model, b, t) result(yes)
-    type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
-    integer, intent(in) :: b, t          !! what is shot; the liquid
-    real(dp) :: velocity(3), low(3, 2), high(3, 2)
-    integer :: d
-    yes = law_liquid(model%bodies(t)%law) .and. &
-          speed_at_start(scene, t, model%mesh%ndim) <= 0.0_dp .and. &
-          allocated(scene%bodies(b)%shapes) .and. allocated(scene%bodies(t)%shapes)
-    if (.not. yes) return
-    velocity = velocity_at_start(scene, b, model%mesh%ndim)
-    call shapes_box(scene%bodies(b)%shapes, low(:, 1), high(:, 1))
-    call shapes_box(scene%bodies(t)%shapes, low(:, 2), high(:, 2))
-    yes = .false.
-    do d = 1, model%mesh%ndim
-      if (abs(velocity(d)) > 0.5_dp*norm2(velocity)) cycle
-      yes = yes .or. high(d, 1) - low(d, 1) < covers*(high(d, 2) - low(d, 2))
-    end do
-  end function is_pool
 
   !> Whether a body rests at the start and can fail.
   pure logical function is_target(scene, model, b, n) result(yes)

@@ -16,19 +16,21 @@ module sgmp_judge_entries
   use sgmp_text, only: real_text_about
   implicit none
   private
-  public :: judge_entries
+  public :: is_pool, judge_entries
 
   real(dp), parameter :: way = 3.6_dp            !! error times cells
+  real(dp), parameter :: covers = 0.9_dp         !! part of a liquid's width that pushes all of it
   real(dp), parameter :: least_error = 0.1_dp, most_error = 0.45_dp, enough = 70.0_dp
 
 contains
 
-  !> Rigid bodies that move as prescribed and press on a liquid that rested at first.
+  !> Rigid bodies, free or not, and others that are moved as a whole, which press on a liquid that
+  !! rested at first.
   subroutine judge_entries(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    real(dp) :: cells
+    real(dp) :: cells, velocity(3)
     integer :: p, b, t
     if (model%mesh%ndim == 1) return
     do p = 1, size(model%contact%pairs)
@@ -37,10 +39,10 @@ contains
         if (b == 0 .or. all(pair%held) .or. any(pair%body > size(scene%bodies))) cycle
         t = pair%body(3 - b)
         b = pair%body(b)
-        if (.not. law_liquid(model%bodies(t)%law)) cycle
-        if (speed_at_start(scene, t, model%mesh%ndim) > 0.0_dp) cycle
-        if (.not. dips(scene, b, t, model%bodies(b)%speed, model%mesh%ndim)) cycle
-        cells = cells_moved(model, norm2(pair%impulse), norm2(model%bodies(b)%speed), &
+        if (.not. model%totals%bodies(b)%mass > 0.0_dp) cycle
+        velocity = model%totals%bodies(b)%momentum/model%totals%bodies(b)%mass
+        if (.not. is_pool(scene, model, b, t, velocity, covers)) cycle
+        cells = cells_moved(model, norm2(pair%impulse), norm2(velocity), &
                             model%bodies(t)%law%density)
         if (.not. cells > 0.0_dp .or. cells >= enough) cycle
         call opinion%expect(max(least_error, min(most_error, way/cells)), &
@@ -52,26 +54,28 @@ contains
     end do
   end subroutine judge_entries
 
-  !> Whether a body is narrower than a liquid, across the way on which it moves; it pushes all of it
-  !! on otherwise, as a piston does.
-  pure logical function dips(scene, b, t, velocity, n) result(yes)
+  !> Whether a body is a liquid at rest that another one, which moves into it, does not push on as a
+  !! whole, as a piston does: that is narrower, across its way, than a part of the liquid's width.
+  pure logical function is_pool(scene, model, b, t, velocity, part) result(yes)
     type(scene_t), intent(in) :: scene
-    integer, intent(in) :: b, t                  !! the body, the liquid
-    real(dp), intent(in) :: velocity(3)          !! of the body
-    integer, intent(in) :: n                     !! axes
-    real(dp), parameter :: covers = 0.9_dp
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b, t                  !! what moves; the liquid
+    real(dp), intent(in) :: velocity(3)          !! of what moves
+    real(dp), intent(in) :: part
     real(dp) :: own(3, 2), its(3, 2)
     integer :: d
-    yes = allocated(scene%bodies(b)%shapes) .and. allocated(scene%bodies(t)%shapes)
+    yes = law_liquid(model%bodies(t)%law) .and. &
+          speed_at_start(scene, t, model%mesh%ndim) <= 0.0_dp .and. &
+          allocated(scene%bodies(b)%shapes) .and. allocated(scene%bodies(t)%shapes)
     if (.not. yes) return
     call shapes_box(scene%bodies(b)%shapes, own(:, 1), own(:, 2))
     call shapes_box(scene%bodies(t)%shapes, its(:, 1), its(:, 2))
     yes = .false.
-    do d = 1, n
+    do d = 1, model%mesh%ndim
       if (abs(velocity(d)) > 0.5_dp*norm2(velocity)) cycle
-      yes = yes .or. own(d, 2) - own(d, 1) < covers*(its(d, 2) - its(d, 1))
+      yes = yes .or. own(d, 2) - own(d, 1) < part*(its(d, 2) - its(d, 1))
     end do
-  end function dips
+  end function is_pool
 
   !> Side, in cells, of the volume of a liquid that an impulse brings to a speed; 0 for none.
   pure function cells_moved(model, impulse, speed, density) result(cells)

@@ -1228,6 +1228,7 @@ def entries(report):
     less = coarse(report, "entry_less", ENTRY, "its force scatters", 0.2, depth=0.4)
     report.check(abs(less["verdict_error"]*0.4/deep["verdict_error"] - 1) < 0.15,
                  f"entry: told {deep['verdict_error']}, {less['verdict_error']}")
+    coarse(report, "entry_moved", ENTRY.replace("rigid s y=-1", "motion s x=0 y=-1"), "its force scatters", 0.1)
     plate = ENTRY.replace("polygon", "block").replace("corners=(0,0),(3,1.5),(3,2),(0,2)", "lower=(0,0) upper=(5,1)")
     result = run("entry_plate", plate, depth=0.1)
     report.check(not any("its force" in why for why in result["verdict_reasons"]), f"entry_plate: {result.text}")
