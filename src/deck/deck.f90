@@ -213,7 +213,8 @@ contains
       do k = 1, i - 1
         if (cards(k)%definition /= cards(i)%definition) cycle
         call errors%add(cards(i)%position, "card '"//cards(i)%name//"' is given twice", &
-                        'first given at '//cards(k)%position%text())
+                        'first given at '//cards(k)%position%text()//'; write all of its '// &
+                        'keys in one card')
         exit
       end do
     end do

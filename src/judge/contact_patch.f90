@@ -9,10 +9,11 @@ module sgmp_contact_patch
   use sgmp_constitutive, only: law_is_springy
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_kinds, only: dp
+  use sgmp_meetings, only: meetings_push
   use sgmp_model, only: model_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shape_block
-  use sgmp_thickness, only: body_width
+  use sgmp_thickness, only: body_width, length_along
   implicit none
   private
   public :: patch_cells
@@ -31,10 +32,12 @@ contains
     real(dp) :: cells
     real(dp) :: yields, curves, lightness      !! inverse of E, R, m of both
     real(dp) :: radius, loud, push, depth
+    real(dp) :: along(3)
     integer :: side
     yields = 0.0_dp
     curves = 0.0_dp
     lightness = 0.0_dp
+    along = meetings_push(model, pair)
     loud = 0.0_dp
     do side = 1, 2
       associate (b => pair%body(side), body => model%bodies(pair%body(side)))
@@ -48,6 +51,7 @@ contains
           end associate
         end if
         if (all(scene%bodies(b)%shapes%kind == shape_block)) cycle
+        if (length_along(scene%bodies(b)%shapes, model%mesh, along) > 0.0_dp) cycle
         radius = 0.5_dp*body_width(scene%bodies(b)%shapes, model%mesh)
         curves = curves + 1.0_dp/radius
       end associate

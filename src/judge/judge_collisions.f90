@@ -20,7 +20,7 @@ module sgmp_judge_collisions
   use sgmp_judge_entries, only: is_pool
   use sgmp_kernels, only: kernel_centred, method_mpm, method_sgmp
   use sgmp_kinds, only: dp
-  use sgmp_meetings, only: extent_t, meetings_extent, meetings_met
+  use sgmp_meetings, only: extent_t, meetings_extent, meetings_met, meetings_push
   use sgmp_mesh, only: wall_free
   use sgmp_model, only: model_t
   use sgmp_near_walls, only: near_walls, near_walls_flown_at
@@ -28,7 +28,7 @@ module sgmp_judge_collisions
   use sgmp_scene, only: scene_presses, scene_t
   use sgmp_shapes, only: shape_block, shape_ring, shapes_box
   use sgmp_text, only: integer_text, real_text, real_text_about
-  use sgmp_thickness, only: body_thickness
+  use sgmp_thickness, only: body_thickness, length_along
   implicit none
   private
   public :: judge_collisions, judge_projectiles, projectile_narrow, projectile_wanted
@@ -86,6 +86,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     logical :: flat(2), round(2)
+    real(dp) :: push(3)
     integer, allocatable :: row(:)       !! pairs of flat faces that have met
     integer :: b, p, before
     call judge_crowd(opinion, model)
@@ -98,13 +99,14 @@ contains
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
         if (.not. meetings_met(scene, model, pair)) cycle
-        flat = [(bounces(scene, model, pair%body(b)), b=1, 2)]
-        round = [(rebounds(scene, model, pair%body(b)), b=1, 2)]
+        push = meetings_push(model, pair)
+        flat = [(bounces(scene, model, pair%body(b), push), b=1, 2)]
+        round = [(rebounds(scene, model, pair%body(b), push), b=1, 2)]
         if (all(flat .or. model%bodies(pair%body)%rigid)) then
           row = [row, p]
         else if (all(flat .or. round .or. model%bodies(pair%body)%rigid)) then
           call expect_round(opinion, scene, model, pair)
-        else if (all([(is_plate(scene, model, pair%body(b)), b=1, 2)])) then
+        else if (all([(is_plate(scene, model, pair%body(b), push), b=1, 2)])) then
           if (any([(reshaped(scene, model, pair%body(b)), b=1, 2)])) cycle
           call expect_plates(opinion, scene, model, pair)
         end if
@@ -129,7 +131,7 @@ contains
     if (lost < least_flat) return
     call opinion%expect(min(most_error, max(least_error, lost)), &
                         bodies_text(model, pairs(worst)%body)//', '// &
-                        real_text_about(cells_across(scene, model, pairs(worst)%body))// &
+                        real_text_about(cells_along(scene, model, pairs(worst)))// &
                         ' cells thick, bounce off each other: their velocities after it want '// &
                         'smaller cells')
   end subroutine expect_row
@@ -144,22 +146,24 @@ contains
     if (any(model%bodies(pair%body)%rigid)) then
       weight = merge(cover_weight, rigid_weight, pair%reach < huge(1.0_dp))
     end if
-    lost = weight*cells_across(scene, model, pair%body)**(-2.0_dp/3.0_dp)
+    lost = weight*cells_along(scene, model, pair)**(-2.0_dp/3.0_dp)
   end function flat_loss
 
-  !> Cells across the thinner of two bodies; rigid ones are not counted.
-  function cells_across(scene, model, pair) result(cells)
+  !> Cells along the shorter of two bodies with flat faces, from face to face; rigid ones are not
+  !! counted.
+  function cells_along(scene, model, pair) result(cells)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer, intent(in) :: pair(2)       !! numbers of the bodies
+    type(contact_pair_t), intent(in) :: pair
     real(dp) :: cells
     integer :: b
     cells = huge(1.0_dp)
     do b = 1, 2
-      if (model%bodies(pair(b))%rigid) cycle
-      cells = min(cells, body_thickness(scene%bodies(pair(b))%shapes, model%mesh))
+      if (model%bodies(pair%body(b))%rigid) cycle
+      cells = min(cells, length_along(scene%bodies(pair%body(b))%shapes, model%mesh, &
+                                      meetings_push(model, pair)))
     end do
-  end function cells_across
+  end function cells_along
 
   !> Two bodies with flat faces, not both elastic, that have met and part.
   subroutine expect_plates(opinion, scene, model, pair)
@@ -172,7 +176,7 @@ contains
       push = norm2(pair%impulse)
       parting = norm2(bodies(2)%momentum/bodies(2)%mass - bodies(1)%momentum/bodies(1)%mass)
       if (parting < least_parting*push*sum(1.0_dp/bodies%mass)) return
-      cells = cells_across(scene, model, pair%body)
+      cells = cells_along(scene, model, pair)
       lost = plate_weight/cells*push/minval(bodies%mass)/ &
              max(norm2(bodies(1)%momentum)/bodies(1)%mass, norm2(bodies(2)%momentum)/bodies(2)%mass)
     end associate
@@ -213,7 +217,7 @@ contains
     flat = model%mesh%ndim == 2 .and. .not. scene%axisymmetric
     cells = huge(1.0_dp)
     do b = 1, 2
-      if (.not. rebounds(scene, model, pair%body(b))) cycle
+      if (.not. rebounds(scene, model, pair%body(b), meetings_push(model, pair))) cycle
       if (flat .and. any(scene%bodies(pair%body(b))%shapes%kind == shape_ring)) then
         call expect_rings(opinion, scene, model, pair%body)
         return
@@ -436,7 +440,7 @@ contains
       held = near_walls_flown_at(scene, model, b, lets_go=.false.)
       if (near_walls_flown_at(scene, model, b, lets_go=.true.) .and. .not. held) then
         call expect_let_go(opinion, scene, model, b)
-      else if (bounces(scene, model, b)) then
+      else if (bounces(scene, model, b, velocity_at_start(scene, b, n))) then
         if (kept_speed(scene, model, b) >= 0.0_dp) cycle
         call expect_wall(opinion, model, b, body_thickness(scene%bodies(b)%shapes, model%mesh))
       else if (yields(model, b) .and. held) then
@@ -479,16 +483,18 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
-    real(dp) :: cells, kept
+    real(dp) :: cells, kept, flown(3)
     logical :: wide
     cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
     kept = kept_speed(scene, model, b)
-    if (any(model%mesh%rough > 0.0_dp) .and. rebounds(scene, model, b) .and. &
+    flown = velocity_at_start(scene, b, model%mesh%ndim)
+    if (any(model%mesh%rough > 0.0_dp) .and. rebounds(scene, model, b, flown) .and. &
         cells < spun_cells .and. kept < 1.0_dp - least_slowing) then
       call opinion%expect(spun_weight/cells, bounced(model, b, cells)//', and so does its spin')
     end if
     wide = scene_presses(scene) .or. any(scene%grid%floor) .or. model%mesh%ndim > 1 .and. &
-           poisson_of(model, b) > merge(wide_poisson, round_poisson, bounces(scene, model, b))
+           poisson_of(model, b) > merge(wide_poisson, round_poisson, &
+                                        bounces(scene, model, b, flown))
     if (yields(model, b)) then
       if (kept < slowed) call tell(soft_weight, soft_cells)
     else if (kept < 0.0_dp .and. wide) then
@@ -546,39 +552,44 @@ contains
     end if
   end subroutine expect_wall
 
-  !> Whether a body is elastic and has faces that are flat.
-  pure logical function bounces(scene, model, b) result(yes)
+  !> Whether a body is elastic and has flat faces in the direction of a push.
+  pure logical function bounces(scene, model, b, push) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
+    real(dp), intent(in) :: push(3)
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
-    yes = law_is_springy(model%bodies(b)%law) .and. all(scene%bodies(b)%shapes%kind == shape_block)
+    yes = law_is_springy(model%bodies(b)%law) .and. &
+          length_along(scene%bodies(b)%shapes, model%mesh, push) > 0.0_dp
   end function bounces
 
-  !> Whether a body has faces that are flat, and is a solid that cannot fail.
-  pure logical function is_plate(scene, model, b) result(yes)
+  !> Whether a body has flat faces there, and is a solid that cannot fail.
+  pure logical function is_plate(scene, model, b, push) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
+    real(dp), intent(in) :: push(3)
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
     associate (law => model%bodies(b)%law)
       yes = .not. (law_is_spherical(law) .or. asked_to_fail(law)) .and. &
             law%erosion%plastic_strain >= failure_none .and. &
-            all(scene%bodies(b)%shapes%kind == shape_block)
+            length_along(scene%bodies(b)%shapes, model%mesh, push) > 0.0_dp
     end associate
   end function is_plate
 
-  !> Whether a body is elastic and its surface is curved.
-  pure logical function rebounds(scene, model, b) result(yes)
+  !> Whether a body is elastic and its surface is curved there.
+  pure logical function rebounds(scene, model, b, push) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
+    real(dp), intent(in) :: push(3)
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
     yes = law_is_springy(model%bodies(b)%law) .and. &
-          all(scene%bodies(b)%shapes%kind /= shape_block)
+          all(scene%bodies(b)%shapes%kind /= shape_block) .and. &
+          .not. length_along(scene%bodies(b)%shapes, model%mesh, push) > 0.0_dp
   end function rebounds
 
 end module sgmp_judge_collisions

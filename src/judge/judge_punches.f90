@@ -9,13 +9,15 @@ module sgmp_judge_punches
   use sgmp_constitutive, only: law_bends, law_is_spherical, law_is_springy, law_wave_modulus
   use sgmp_expression, only: expression_t
   use sgmp_kinds, only: dp
+  use sgmp_meetings, only: meetings_push
   use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: body_card_t, scene_t
-  use sgmp_shapes, only: shape_block, shapes_box
+  use sgmp_shapes, only: shapes_box
   use sgmp_space, only: space_axisymmetric
   use sgmp_text, only: real_text_about
+  use sgmp_thickness, only: length_along
   use sgmp_turn, only: turn_direction, turn_inverse, turn_same
   implicit none
   private
@@ -29,7 +31,7 @@ module sgmp_judge_punches
 
 contains
 
-  !> Blocks that are held, or stiff, and have pressed on a deformable solid.
+  !> Bodies that are held, or stiff, and have pressed on a deformable solid with a flat face.
   subroutine judge_punches(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
@@ -46,7 +48,7 @@ contains
         if (b == 0) cycle
         if (law_is_spherical(model%bodies(pair%body(3 - b))%law)) cycle
         call look_at_edges(scene%bodies(pair%body(b)), scene%bodies(pair%body(3 - b)), &
-                           model%mesh, pair%impulse, error, cells)
+                           model%mesh, meetings_push(model, pair), error, cells)
         if (error <= least_told) cycle
         call opinion%expect(max(error, least_error), &
                             "body '"//trim(model%bodies(pair%body(b))%name)//"' presses on '"// &
@@ -83,7 +85,7 @@ contains
     yes = velocity%is_constant .and. abs(velocity%value) <= 0.0_dp
   end function at_rest
 
-  !> The error by the edges of a block's face that lie on another block, and the cells across it.
+  !> The error by the edges of a body's flat face that lie on another's, and the cells across it.
   pure subroutine look_at_edges(card, other, mesh, impulse, error, cells)
     type(body_card_t), intent(in) :: card, other
     type(mesh_t), intent(in) :: mesh
@@ -94,11 +96,12 @@ contains
     integer :: a, edges
     error = 0.0_dp
     cells = huge(1.0_dp)
-    if (.not. (is_block(card) .and. is_block(other))) return
+    if (.not. (is_flat(card, mesh, impulse) .and. is_flat(other, mesh, impulse))) return
     if (.not. turn_same(card%turn, other%turn)) return
     across = turn_direction(turn_inverse(card%turn), impulse)
     call shapes_box(card%shapes, own(:, 1), own(:, 2))
     call shapes_box(other%shapes, its(:, 1), its(:, 2))
+    if (mesh%space == space_axisymmetric) own(1, 1) = max(0.0_dp, own(1, 1))
     step = least_step*mesh%h
     do a = 1, mesh%ndim
       if (abs(across(a)) > straight*norm2(across)) cycle
@@ -110,12 +113,14 @@ contains
     end do
   end subroutine look_at_edges
 
-  !> Whether a body is made of one block.
-  pure logical function is_block(card) result(yes)
+  !> Whether a body is made of one shape with a flat face in the direction of a push.
+  pure logical function is_flat(card, mesh, push) result(yes)
     type(body_card_t), intent(in) :: card
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: push(3)
     yes = allocated(card%shapes)
     if (yes) yes = size(card%shapes) == 1
-    if (yes) yes = card%shapes(1)%kind == shape_block
-  end function is_block
+    if (yes) yes = length_along(card%shapes, mesh, push) > 0.0_dp
+  end function is_flat
 
 end module sgmp_judge_punches

@@ -8,11 +8,12 @@ module sgmp_meetings
   use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max, parallel_min
   use sgmp_scene, only: scene_t
+  use sgmp_space, only: axes_in_output, space_axisymmetric
   use sgmp_text, only: integer_text
   implicit none
   private
   public :: extent_t, judge_bonds, judge_stuck, meetings_bonded, meetings_collide, &
-            meetings_extent, meetings_met
+            meetings_extent, meetings_met, meetings_push
 
   real(dp), parameter :: least_blow = 0.1_dp  !! impulse, over what the lighter body could have
   real(dp), parameter :: stuck_error = 0.25_dp
@@ -105,6 +106,16 @@ contains
     mass = minval(model%totals%bodies(pair%body)%mass, mask=.not. model%bodies(pair%body)%rigid)
     yes = sum(pair%impulse**2) >= least_blow**2*mass**2*speed2
   end function meetings_met
+
+  !> What a pair has given each other along the axes of the space; about an axis of symmetry pushes
+  !! along the radius cancel.
+  pure function meetings_push(model, pair) result(push)
+    type(model_t), intent(in) :: model
+    type(contact_pair_t), intent(in) :: pair
+    real(dp) :: push(3)
+    push(axes_in_output(:, model%mesh%space)) = pair%impulse
+    if (model%mesh%space == space_axisymmetric) push(1) = 0.0_dp
+  end function meetings_push
 
   !> Where the particles of a body are (cells); all ranks must call it.
   function meetings_extent(model, b) result(extent)

@@ -5,10 +5,10 @@ module sgmp_thickness
   use sgmp_shapes, only: combine_union, shape_block, shape_cylinder, shape_ring, shape_sphere, &
                          shape_t, shapes_box, shapes_inside
   use sgmp_space, only: space_axisymmetric
-  use sgmp_turn, only: infinite_length
+  use sgmp_turn, only: infinite_length, turn_direction, turn_inverse
   implicit none
   private
-  public :: body_thickness, body_width
+  public :: body_thickness, body_width, length_along
 
   real(dp), parameter :: matters = 16.0_dp     !! cells: of thicker bodies nothing is said
 
@@ -31,6 +31,37 @@ contains
       cells = min(cells, local_thickness(shapes, mesh))
     end if
   end function body_thickness
+
+  !> Cells along a direction in which a body has flat faces: cylinders and rings along their axis,
+  !! and blocks, whose thickness counts in directions aslant; zero where it has other faces, huge
+  !! where walls continue it without end.
+  pure function length_along(shapes, mesh, direction) result(cells)
+    type(shape_t), intent(in) :: shapes(:)
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: direction(3)       !! of any length
+    real(dp) :: cells, along(3)
+    real(dp), parameter :: aligned = 0.995_dp  !! cosine: within 6 degrees
+    integer :: s, axis
+    cells = huge(1.0_dp)
+    do s = 1, size(shapes)
+      along = abs(turn_direction(turn_inverse(shapes(s)%turn), direction))
+      select case (shapes(s)%kind)
+      case (shape_block)
+        axis = maxloc(along(:mesh%ndim), dim=1)
+        if (along(axis) > aligned*norm2(along)) then
+          cells = min(cells, block_length(shapes(s), mesh, axis, .true.))
+        else
+          cells = min(cells, shape_thickness(shapes(s), mesh, .true.))
+        end if
+      case (shape_cylinder, shape_ring)
+        if (.not. dot_product(abs(shapes(s)%axis), along) > aligned*norm2(along)) cells = 0.0_dp
+        cells = min(cells, cylinder_length(shapes(s), mesh, .true.))
+      case default
+        cells = 0.0_dp
+      end select
+    end do
+    if (cells < huge(1.0_dp)) cells = cells/mesh%h
+  end function length_along
 
   !> Cells across shapes that are combined, as three quarters of the body are at least: of points
   !! all over it the diameter of the largest ball inside that holds the point; the shortest chord
@@ -253,18 +284,13 @@ contains
     type(shape_t), intent(in) :: shape
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: in_cells
-    real(dp) :: thickness, across
+    real(dp) :: thickness
     integer :: axis
     thickness = huge(1.0_dp)
     select case (shape%kind)
      case (shape_block)
       do axis = 1, mesh%ndim
-        across = span(mesh, in_cells, axis, shape%lower(axis), shape%upper(axis))
-        if (at_wall(mesh, 1, axis, shape%lower(axis))) across = 2.0_dp*across
-        if (at_wall(mesh, 2, axis, shape%upper(axis))) then
-          across = merge(huge(1.0_dp), 2.0_dp*across, at_wall(mesh, 1, axis, shape%lower(axis)))
-        end if
-        thickness = min(thickness, across)
+        thickness = min(thickness, block_length(shape, mesh, axis, in_cells))
       end do
      case (shape_ring)
       thickness = round_width(shape, mesh, in_cells, shape%radius2, shape%radius)
@@ -277,6 +303,21 @@ contains
       end if
     end select
   end function shape_thickness
+
+  !> Length of a block along an axis, with its image behind a wall that it touches; huge between
+  !! two walls.
+  pure function block_length(shape, mesh, axis, in_cells) result(length)
+    type(shape_t), intent(in) :: shape
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    logical, intent(in) :: in_cells
+    real(dp) :: length
+    length = span(mesh, in_cells, axis, shape%lower(axis), shape%upper(axis))
+    if (at_wall(mesh, 1, axis, shape%lower(axis))) length = 2.0_dp*length
+    if (at_wall(mesh, 2, axis, shape%upper(axis))) then
+      length = merge(huge(1.0_dp), 2.0_dp*length, at_wall(mesh, 1, axis, shape%lower(axis)))
+    end if
+  end function block_length
 
   !> Distance of two places along an axis, as cells times the smallest side if asked for.
   pure function span(mesh, in_cells, axis, low, high) result(width)

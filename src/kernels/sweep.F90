@@ -383,6 +383,7 @@ contains
     type(workspace_t), intent(inout) :: work
     real(dp) :: origin(NDIM), extent(2, NDIM)
     integer :: bin, chunk, next, left, movers_before
+    logical :: in_turn                           !! fetched though it lies behind in memory
     bin = body%particles%bin_start(s) + body%particles%bins%first(s) + i
     left = body%particles%size(bin)
     if (left == 0) return
@@ -390,11 +391,14 @@ contains
     call place_bin(mesh, task, body%particles%bins%first(s) + i, body%particles%bins%key(s), &
                    origin, extent)
     movers_before = movers%n
+    in_turn = NDIM == 3 .and. plan%stress
     do while (left > 0)
-      if (body%particles%scattered) then
+      if (body%particles%scattered .or. in_turn) then
         next = following(body%particles, bin, chunk)
-        ! What lies behind in memory the processor fetches by itself.
-        if (next /= chunk + 1) call chunk_prefetch(body%particles, next, plan%stress)
+        ! In most sweeps the processor fetches by itself what lies behind in memory.
+        if (next /= chunk + 1 .or. in_turn) then
+          call chunk_prefetch(body%particles, next, plan%stress)
+        end if
       end if
       call chunk_advance(mesh, body, plan, task, s, origin, extent, min(left, lanes), row, &
                          work%records(1 + i*task%span*task%stride), body%particles%state_columns, &
@@ -525,15 +529,17 @@ contains
     integer, intent(in) :: first_column, nq, plane
     real(dp), intent(in) :: own(2, nq, *), below(2, nq, *)
     integer :: s, q, first, n, to, here, shift
+    integer, parameter :: tile = 16      !! points whose columns the nearest cache holds
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
-      first = field%work%first(s)
-      n = field%work%last(s) - first + 1
-      to = field%neighbour(0, 0, s) + first
-      here = to - field%plane_start(plane) + 1
-      shift = field%neighbour(0, -1, s) + first - field%plane_start(plane - 1) + 1
-      do q = 1, nq
-        call add_two(n, 2*nq, below(2, q, shift), own(1, q, here), &
-                     field%moment(to, first_column + q - 1))
+      do first = field%work%first(s), field%work%last(s), tile
+        n = min(tile, field%work%last(s) - first + 1)
+        to = field%neighbour(0, 0, s) + first
+        here = to - field%plane_start(plane) + 1
+        shift = field%neighbour(0, -1, s) + first - field%plane_start(plane - 1) + 1
+        do q = 1, nq
+          call add_two(n, 2*nq, below(2, q, shift), own(1, q, here), &
+                       field%moment(to, first_column + q - 1))
+        end do
       end do
     end do
   end subroutine take_both

@@ -525,6 +525,7 @@ def criteria(report):
     plates(report)
     balls(report)
     row(report)
+    ends(report)
     waves(report)
     flash(report)
     vacuum(report)
@@ -995,6 +996,42 @@ def balls(report):
         told.append(result["verdict_error"])
     report.check(0.3 > told[0] > 1.5*told[1], f"balls: {told}")
     sound(report, "balls_fine", BALLS, speed=0.05, h="1/24")
+
+
+# Two cylinders that meet end to end.
+END_ON = """
+parameter long = 10
+parameter n = 4
+dimension axisymmetric
+grid cell=1/n
+time end=4*long
+material m elastic density=1 young=1 poisson=0.3
+body a cylinder material=m radius=1 length=long
+body b cylinder material=m radius=1 centre=(0,long+0.01) length=long
+velocity a z=2e-3
+contact
+history steps=50
+"""
+
+
+def ends(report):
+    """Cylinders that meet end to end bounce as blocks do: their length counts, not that they are round. A cylinder
+    that presses with its end has an edge all round."""
+    result = sound(report, "end_on", END_ON, n=6)
+    handed = result.table("bodies.csv")[-1]["velocity_z"]/2e-3
+    report.check(0.94 < handed < 1, f"end_on: handed on {handed}")
+    coarse(report, "end_on_short", END_ON, "cells thick, bounce off each other", 0.1, long=1.5)
+    punch = FOOTING
+    for old, new in (("dimension 2", "dimension axisymmetric"), ("x=0:4 y=", "r=0:4 z="), ("x-=slip x+", "r+"),
+                     ("y-=fixed", "z-=fixed"), ('y="-min', 'z="-min'),
+                     ("footing block material=steel lower=(0,2) upper=(0.5,2.2)",
+                      "footing cylinder material=steel centre=(0,2) radius=0.5 length=0.2")):
+        report.check(old in punch, old)
+        punch = punch.replace(old, new)
+    result = coarse(report, "end_presses", punch, "whose edges act half a cell too far outside", 0.2, h=0.0625)
+    rows = [row for row in result.table("contact.csv") if row["time"] > 0.039]
+    borne = abs(sum(row["force_z"] for row in rows))/len(rows)/(0.25*math.pi)/6.05  # Eason and Shield 1960
+    report.check(1 < borne < 1 + result["verdict_error"], f"end_presses: {borne}, {result['verdict_error']}")
 
 
 ROW = """
