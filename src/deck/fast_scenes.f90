@@ -2,7 +2,7 @@
 !! Where bodies are fast at the start, pressures differ or something explodes, shocks run, and
 !!
 !! * materials with an equation of state and no card `viscosity` get a bulk viscosity,
-!! * liquids without a card `failure` bear no tension,
+!! * liquids without a card `failure` bear no tension (nor where anything pulls, presses or drives),
 !! * metals with an equation of state that no card lets fail are torn where it ends.
 module sgmp_fast_scenes
   use sgmp_constitutive, only: constitutive_t, law_bends, law_cavitate, law_first_pressure, &
@@ -20,6 +20,7 @@ module sgmp_fast_scenes
   real(dp), parameter :: shocks = 0.1_dp       !! of solids and gases: stress behind a front is off
                                                !! by a fifth and more
   real(dp), parameter :: hammers = 0.02_dp     !! of liquids, soils, by bodies that fly as a whole
+  real(dp), parameter :: whispers = 1.0e-4_dp  !! of liquids: rho c v is 0.2 MPa in water
 
   !> How fast a scene begins.
   type :: pace_t
@@ -42,12 +43,25 @@ contains
         if (law_may_tear(law) .and. (pace%explodes .or. pace%anywhere > tears*law%bulk_speed)) then
           call law_tear(law)
         end if
+        if (law_may_cavitate(law) .and. is_stirred(law, scene, pace)) call law_cavitate(law)
         if (.not. is_hit(law, pace)) cycle
         if (law_may_shock(law)) call law_spread_shocks(law)
-        if (law_may_cavitate(law)) call law_cavitate(law)
       end associate
     end do
   end subroutine fast_scene_settle
+
+  !> Whether more than sound of little pressure runs through a liquid: it would open where it is
+  !! drawn. Whoever looks at such sound alone means the tension that goes with it.
+  pure function is_stirred(law, scene, pace) result(yes)
+    type(constitutive_t), intent(in) :: law
+    type(scene_t), intent(in) :: scene
+    type(pace_t), intent(in) :: pace
+    logical :: yes
+    yes = pace%explodes .or. max(pace%anywhere, pace%whole) > whispers*law%bulk_speed .or. &
+          pace%pressure > whispers*law%density*law%bulk_speed**2 .or. &
+          any(abs(scene%gravity) > 0.0_dp) .or. &
+          size(scene%bodyforces) + size(scene%loads) + size(scene%motions) > 0
+  end function is_stirred
 
   !> Whether a liquid is hit or flies, and nothing but fluids deforms.
   function liquid_thrown(scene) result(yes)

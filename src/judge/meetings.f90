@@ -4,10 +4,11 @@ module sgmp_meetings
   use sgmp_fast_scenes, only: velocity_at_start
   use sgmp_graded_axis, only: graded_place
   use sgmp_kinds, only: dp
+  use sgmp_load, only: load_blast
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max, parallel_min
-  use sgmp_scene, only: scene_t
+  use sgmp_scene, only: load_card_t, scene_t
   use sgmp_space, only: axes_in_output, space_axisymmetric
   use sgmp_text, only: integer_text
   implicit none
@@ -37,13 +38,22 @@ contains
                         'only if it is asked for; write contact all, or make them groups')
   end subroutine judge_stuck
 
-  !> Solids that are bonded because they share a surface at the start, which another body has hit:
-  !! whether a blow parts them the deck does not say.
+  !> Solids that are bonded because they share a surface at the start, which another body or a
+  !! sudden load has hit: whether a blow parts them the deck does not say.
   subroutine judge_bonds(opinion, scene, model)
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer :: a, b, p, side
+    integer :: a, b, l, p, side
+    do l = 1, size(scene%loads)
+      if (.not. is_sudden(scene%loads(l))) cycle
+      a = scene%loads(l)%body
+      do b = 1, size(scene%bodies)
+        if (b == a .or. .not. meetings_bonded(scene, a, b)) cycle
+        call object_to_bond(opinion, model, a, b, 'a sudden load acts on them: whether that')
+        return
+      end do
+    end do
     if (.not. differ(scene, model%mesh%ndim)) return
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
@@ -53,11 +63,7 @@ contains
             if (model%bodies(a)%field /= pair%field(side)) cycle
             do b = a + 1, size(scene%bodies)
               if (.not. meetings_bonded(scene, a, b)) cycle
-              call opinion%object("'"//trim(model%bodies(a)%name)//"' and '"// &
-                                  trim(model%bodies(b)%name)//"' are bonded, since they share "// &
-                                  'a surface at the start, and were hit: whether a blow parts '// &
-                                  'them is not said; write contact all if it does, or make '// &
-                                  'them a group')
+              call object_to_bond(opinion, model, a, b, 'were hit: whether a blow')
               return
             end do
           end do
@@ -65,6 +71,31 @@ contains
       end associate
     end do
   end subroutine judge_bonds
+
+  !> The objection.
+  subroutine object_to_bond(opinion, model, a, b, cause)
+    type(opinion_t), intent(inout) :: opinion
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: a, b                  !! bodies
+    character(*), intent(in) :: cause
+    call opinion%object("'"//trim(model%bodies(a)%name)//"' and '"// &
+                        trim(model%bodies(b)%name)//"' are bonded, since they share a "// &
+                        'surface at the start, and '//cause//' parts them is not said; '// &
+                        'write contact all if it does, or make them a group')
+  end subroutine object_to_bond
+
+  !> Whether a load is there at once and changes, so that what it sends in comes back as tension.
+  function is_sudden(load) result(yes)
+    type(load_card_t), intent(in) :: load
+    logical :: yes
+    real(dp), parameter :: nowhere(3) = 0.0_dp
+    integer :: d
+    yes = load%kind == load_blast
+    do d = 1, 3
+      if (.not. load%value(d)%uses_time) cycle
+      yes = yes .or. abs(load%value(d)%evaluate(nowhere, nowhere, 0.0_dp)) > 0.0_dp
+    end do
+  end function is_sudden
 
   !> Whether two bodies are bonded though no card says so.
   pure function meetings_bonded(scene, a, b) result(yes)

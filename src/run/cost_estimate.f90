@@ -250,7 +250,7 @@ contains
                ' linear='//real_text(law%viscosity%linear)//' (fast scene, no card viscosity)')
     end if
     if (law%fails .and. .not. law%failure%given .and. law_liquid(law)) then
-      call put('  default   no tension (fast scene, no card failure)')
+      call put('  default   no tension (no card failure)')
     end if
   end subroutine put_defaults
 

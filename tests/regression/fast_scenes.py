@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Decks of fast scenes that leave cards out (doc/materials.md, Fast scenes): a bird before a wall against Bernoulli,
-plates of copper against the Hugoniot, a ball of hot gas against the largest compression by a shock; a slow scene gets
+plates of copper against the Hugoniot, a plate that a shock in water throws off against Taylor, a ball of hot gas against the largest compression by a shock; a slow scene gets
 nothing, and the deck's own words win.
 
 usage: fast_scenes.py SGMP SOURCE_DIR SCRATCH_DIR
 """
 import csv
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,21 @@ body hot sphere material=hot centre=(0,0) radius=0.4
 intersect hot block lower=(0,0) upper=(2,2)
 body cold block material=cold lower=(0,0) upper=(2,2)
 subtract cold sphere centre=(0,0) radius=0.4
+"""
+# A shock in water throws off a plate with nothing behind it, at most 10 MPa.
+THROWN = """
+units mm g ms
+parameter h = 1
+dimension 1
+grid cell=h
+time end=0.4
+material water fluid density=1e-3
+eos water tait c0=1480 exponent=7.15
+material steel elastic density=7.85e-3 young=210e3 poisson=0
+body water block material=water lower=0 upper=300
+body plate block material=steel lower=300 upper=305
+pressure water face=x- p="10*exp(-t/0.1)"
+history steps=5
 """
 report = Report()
 sgmp, scratch = str(Path(sys.argv[1]).resolve()), Path(sys.argv[3])
@@ -123,6 +139,34 @@ def plates():
     report.check(not summary["end_state"]["viscous_share"] > 0, "slow plates have got a viscosity")
 
 
+def thrown():
+    """The velocity of the plate by Taylor (1941), until nothing presses on it any more: then it flies on, for water
+    bears no tension; a card `failure` that lets it bear some draws the plate back. Sound of little pressure is left
+    alone."""
+    peak, theta, mass, impedance = 10, 0.1, 5*7.85e-3, 1.48
+    z = impedance*theta/mass
+    leaves = theta*math.log(z)/(z - 1)
+
+    def taylor(t):
+        return 2*peak*theta/(mass*(1 - z))*(math.exp(-z*t/theta) - math.exp(-t/theta))
+
+    for name, deck in (("thrown", THROWN), ("thrown_plane", THROWN.replace("dimension 1", "dimension 2").replace(
+            "grid cell=h", "grid cell=h y=0:4\nwall y-=slip y+=slip").replace("lower=0 upper=300", (
+                "lower=(0,0) upper=(300,4)")).replace("lower=300 upper=305", "lower=(300,0) upper=(305,4)"))):
+        found = table(run(name, deck)[0]/"bodies.csv")
+        times, speeds = ([float(text) for text, body in zip(found[key], found["name"]) if body == "plate"]
+                         for key in ("time", "velocity_x"))
+        for after, allowed in ((0.02, 0.05), (0.03, 0.03), (leaves, 0.02), (0.12, 0.02), (0.19, 0.02)):
+            i = min(range(len(times)), key=lambda i, at=300/1480 + after: abs(times[i] - at))
+            exact = taylor(min(after, leaves))
+            report.check(abs(speeds[i]/exact - 1) < allowed, f"{name}: {speeds[i]/exact:.4f} of Taylor's after {after}")
+    drawn = table(run("drawn", THROWN + "failure water pmin=-50\n")[0]/"bodies.csv")
+    report.check(float(drawn["velocity_x"][-1]) < 0.5*taylor(leaves), "drawn: water that bears tension lets go")
+    sound = THROWN.replace("body plate", "velocity water x=\"0.1*cos(pi*x/300)\"\nbody plate")
+    least = run("whisper", "".join(line for line in sound.splitlines(True) if "pressure" not in line))[1]
+    report.check(least["end_state"]["least_pressure"] < -0.05, f"whisper: {least['end_state']['least_pressure']}")
+
+
 def words():
     """What a deck says stays."""
     text = PLATES + "viscosity all quadratic=0 linear=0\n"
@@ -156,6 +200,7 @@ def told():
 bird()
 told()
 plates()
+thrown()
 words()
 flash()
 report.end()
