@@ -68,8 +68,9 @@ contains
     call registry%keys(erosion_keys())
     call registry%card('viscosity', 'Bulk viscosity in compression, q = rho h^2 b1 (tr D)^2 - '// &
                        'b2 rho h c tr D. Without this card quadratic=1.5 linear=0.3 in '// &
-                       'materials with an equation of state of fast scenes (doc/materials.md), '// &
-                       'none in others; quadratic=0 linear=0 leaves it out.', 'viscosity copper', &
+                       'materials with an equation of state of fast scenes (doc/materials.md; '// &
+                       'liquids beside explosives: linear=0.15), none in others; '// &
+                       'quadratic=0 linear=0 leaves it out.', 'viscosity copper', &
                        read_viscosity)
     call registry%key('material', kind_name_word, 'the material; default: all', default='all', &
                       slot=1)

@@ -24,7 +24,7 @@ module sgmp_judge_gases
   use sgmp_thickness, only: body_thickness
   implicit none
   private
-  public :: judge_charges, judge_cushions, judge_mines
+  public :: is_round_charge, judge_charges, judge_cushions, judge_mines
 
   real(dp), parameter :: ball_weight = 5.0_dp, tube_weight = 1.2_dp  !! cells of the radius
   real(dp), parameter :: wet_weight = 1.1_dp           !! of a ball in a liquid

@@ -44,16 +44,12 @@ contains
     type(opinion_t), intent(inout) :: opinion
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
-    integer :: a, b, l, p, side
-    do l = 1, size(scene%loads)
-      if (.not. is_sudden(scene%loads(l))) cycle
-      a = scene%loads(l)%body
-      do b = 1, size(scene%bodies)
-        if (b == a .or. .not. meetings_bonded(scene, a, b)) cycle
-        call object_to_bond(opinion, model, a, b, 'a sudden load acts on them: whether that')
-        return
-      end do
-    end do
+    integer :: a, b, p, side
+    call find_loaded(scene, a, b)
+    if (b > 0) then
+      call object_to_bond(opinion, model, a, b, 'a sudden load acts on them: whether that')
+      return
+    end if
     if (.not. differ(scene, model%mesh%ndim)) return
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
@@ -71,6 +67,23 @@ contains
       end associate
     end do
   end subroutine judge_bonds
+
+  !> A body on which a sudden load acts, and one that is bonded to it; b = 0: none.
+  subroutine find_loaded(scene, a, b)
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: a, b
+    integer :: l
+    a = 0
+    do l = 1, size(scene%loads)
+      if (.not. is_sudden(scene%loads(l))) cycle
+      a = scene%loads(l)%body
+      do b = 1, size(scene%bodies)
+        if (b == a) cycle
+        if (meetings_bonded(scene, a, b)) return
+      end do
+    end do
+    b = 0
+  end subroutine find_loaded
 
   !> The objection.
   subroutine object_to_bond(opinion, model, a, b, cause)

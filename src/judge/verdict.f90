@@ -19,6 +19,7 @@ module sgmp_verdict
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_punches, only: judge_punches
   use sgmp_judge_rolling, only: judge_rolling
+  use sgmp_judge_shocks, only: judge_shocks
   use sgmp_judge_spall, only: judge_spall
   use sgmp_judge_state, only: judge_ball, judge_particles, judge_pressed, judge_resolution, &
                               judge_thin, judge_volumes
@@ -118,6 +119,7 @@ contains
     call judge_toppling(self%opinion, scene, model)
     call judge_charges(self%opinion, scene, model)
     call judge_mines(self%opinion, scene, model)
+    call judge_shocks(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_waves(self%opinion, scene, model)
     call judge_fronts(self%opinion, model)

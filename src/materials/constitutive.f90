@@ -58,7 +58,8 @@ module sgmp_constitutive
   use sgmp_softening, only: softening_make, softening_t, softening_widest
   use sgmp_soil, only: soil_keys
   use sgmp_strength, only: scatter_t, yield_scatter_keys, yield_scatter_read
-  use sgmp_viscosity, only: viscosity_read, viscosity_t, viscosity_of_shocks, viscosity_of_soils
+  use sgmp_viscosity, only: viscosity_of_pulses, viscosity_of_shocks, viscosity_of_soils, &
+                            viscosity_read, viscosity_t
   use sgmp_voigt, only: stress_components
   implicit none
   private
@@ -806,10 +807,13 @@ contains
 
   !> Such a material gets the bulk viscosity that shocks want. In soil, particles that ring would
   !! lose the shear that friction bears each time that their pressure falls.
-  pure subroutine law_spread_shocks(law)
+  pure subroutine law_spread_shocks(law, burst)
     type(constitutive_t), intent(inout) :: law
+    logical, intent(in) :: burst                 !! of what explodes beside it
     if (law%kind == material_drucker_prager) then
       call set_viscosity(viscosity_of_soils, law)
+    else if (burst .and. law_liquid(law)) then
+      call set_viscosity(viscosity_of_pulses, law)
     else
       call set_viscosity(viscosity_of_shocks, law)
     end if

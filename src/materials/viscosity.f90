@@ -7,7 +7,7 @@ module sgmp_viscosity
   private
   public :: viscosity_keys, viscosity_read
   public :: closing_t, viscosity_t, viscosity_pressure, viscosity_lanes
-  public :: viscosity_of_shocks, viscosity_of_soils
+  public :: viscosity_of_pulses, viscosity_of_shocks, viscosity_of_soils
 
   !> Coefficients; the defaults are the customary ones.
   type :: viscosity_t
@@ -19,6 +19,9 @@ module sgmp_viscosity
   !> What shocks get that no card speaks of. With the customary linear part peaks behind a front
   !! are 1.5 to 2 times too high, with five times as much 1.2 to 1.5 times (doc/theory.md, 4).
   type(viscosity_t), parameter :: viscosity_of_shocks = viscosity_t(1.5_dp, 0.3_dp)
+  !> What liquids get beside explosives: pressure falls at once behind such fronts, so that
+  !! spreading them takes more from their peaks than ringing adds (sgmp_judge_shocks).
+  type(viscosity_t), parameter :: viscosity_of_pulses = viscosity_t(1.5_dp, 0.15_dp)
   type(viscosity_t), parameter :: viscosity_of_soils = viscosity_t(1.5_dp, 2.0_dp)
 
   !> How matter closes in a step: what its viscous pressure follows from.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Decks of fast scenes that leave cards out (doc/materials.md, Fast scenes): a bird before a wall against Bernoulli,
-plates of copper against the Hugoniot, a plate that a shock in water throws off against Taylor, a ball of hot gas against the largest compression by a shock; a slow scene gets
-nothing, and the deck's own words win.
+plates of copper against the Hugoniot, a plate that a shock in water throws off against Taylor, a ball of hot gas
+against the largest compression by a shock; a slow scene gets nothing, and the deck's own words win.
 
 usage: fast_scenes.py SGMP SOURCE_DIR SCRATCH_DIR
 """

@@ -531,6 +531,7 @@ def criteria(report):
     vacuum(report)
     punches(report)
     entries(report)
+    shocks(report)
     rolls(report)
     spall(report)
     spray(report)
@@ -1272,6 +1273,57 @@ def entries(report):
     falls = ENTRY.replace("rigid s y=-1", "rigid s").replace("body s", "velocity w y=1\nbody s")
     result = run("entry_falls", falls, depth=0.3)
     report.check(not any("its force" in why for why in result["verdict_reasons"]), f"entry_falls: {result.text}")
+
+
+# 1 kg of TNT in water, a quarter of the section.
+BURST = """
+units mm g ms
+parameter h = 14
+dimension axisymmetric
+grid cell=h r=0:700 z=0:700
+wall r+=slip z-=slip z+=slip
+method sgmp
+time end=0.4
+material tnt explosive density=1.63e-3 detonation_speed=6930
+eos tnt jwl a=371200 b=3231 r1=4.15 r2=0.95 omega=0.3 energy0=7000
+material water fluid density=1e-3
+eos water shock c0=1500 s=1.75 gamma0=0.28
+body charge sphere material=tnt radius=52.7
+intersect charge block lower=(0,0) upper=(100,100)
+body water block material=water lower=(0,0) upper=(700,700)
+subtract water sphere radius=52.7
+detonation point=(0,0)
+gauge far point=(500,5)
+history steps=1
+"""
+
+
+def shocks(report):
+    """The peak of a charge's shock in water, beside a code in one dimension, lacks less than is told: more is told and
+    lacks with the viscosity that flat shocks want, little would be told with cells that nobody can pay for here. Too
+    little viscosity lets it overshoot. A plate in the water is no gauge."""
+    from _lagrange import Jwl, Layer, Row, Water
+    row = Row([Layer(Jwl(1.63e-3, 6930, 371200, 3231, 4.15, 0.95, 0.3, 7000), 0, 52.7, 50, lit=0.0),
+               Layer(Water(1e-3, 1500, 1.75, 0.28), 52.7, 650, 400)], order=2)
+    there, peak = 50 + round((500 - 52.7)/(650 - 52.7)*400), 0
+    while row.time < 0.4:
+        row.step(0.4 - row.time)
+        peak = max(peak, row.p[there])
+    given = "viscosity all quadratic=1.5 linear="
+    lacks, told = [], []
+    for name, text, words in (("burst", "", "its peaks are too low"), ("burst_thick", given + "0.3\n", "too low"),
+                              ("burst_thin", given + "0.02\n", "its peaks are too high")):
+        result = coarse(report, name, BURST + text, words, 0.1)
+        lacks.append(1 - max(row["pressure"] for row in result.table("gauges.csv"))/peak)
+        told.append(result["verdict_error"])
+    report.check(abs(lacks[0]) < told[0] and 0.2 < lacks[1] < told[1], f"burst: {peak}, {lacks}, {told}")
+    report.check(lacks[0] < 0.7*lacks[1] and told[0] < 0.8*told[1], f"burst: {lacks}, {told}")
+    plate = BURST.replace("gauge far", "# ") + """material steel elastic density=7.85e-3 young=2e5 poisson=0.3
+subtract water block lower=(0,400) upper=(700,700)
+body plate block material=steel lower=(0,400) upper=(700,500)
+"""
+    result = run("burst_plate", plate)
+    report.check(not any("the shock of charge" in why for why in result["verdict_reasons"]), f"{result.text}")
 
 
 def rolls(report):
