@@ -527,6 +527,7 @@ def criteria(report):
     row(report)
     ends(report)
     waves(report)
+    top_heavy(report)
     flash(report)
     vacuum(report)
     punches(report)
@@ -1178,6 +1179,41 @@ def waves(report):
     report.check(0.06 < lost < short["verdict_error"] < 0.35, f"waves: {lost}, {short['verdict_error']}")
     sound(report, "waves_long", WAVES.replace("end=3.5", "end=3"), long=4)  # at rest noise would be judged
     sound(report, "waves_none", WAVES.replace("0.02*omega", "0*omega"))
+
+
+# A liquid on a lighter one, between which a wave grows.
+HEAVY_TOP = """
+parameter n = 24
+parameter heavy = 3
+parameter light = 1
+dimension 2
+grid cell=1/n x=0:0.5 y=-1:1
+wall x-=slip x+=slip y-=slip y+=slip
+method sgmp
+gravity (0,-1)
+time end=1 cfl=0.4
+material a fluid density=heavy
+eos a tait c0=15
+material b fluid density=light
+eos b tait c0=15
+body a polygon material=a corners=CORNERS,(0.5,1),(0,1)
+body b polygon material=b corners=CORNERS,(0.5,-1),(0,-1)
+output csv at=end
+"""
+
+
+def top_heavy(report):
+    """The wave grows by cosh(t sqrt(A g k tanh k)); that it lags is told, and nothing where the denser one is below."""
+    size, k = 0.02, 2*math.pi
+    corners = ",".join(f"({i/40},{size*math.cos(k*i/40)})" for i in range(21))
+    deck = HEAVY_TOP.replace("CORNERS", corners)
+    result = coarse(report, "top_heavy", deck, "a denser fluid lies on a lighter one", 0.1)
+    column = [row for row in result.table("particles_end.csv") if row["body"] == 1]
+    grown = -4*sum(math.cos(k*row["x"]) for row in column)/(2*24)**2/size
+    rate = math.acosh(grown)/math.sqrt(0.5*k*math.tanh(k))
+    report.check(0 < 1 - rate < result["verdict_error"], f"top_heavy: {grown} times, {rate} of the rate")
+    stable = run("top_light", deck, heavy=1, light=3)
+    report.check(not any("denser fluid" in why for why in stable["verdict_reasons"]), f"top_light: {stable.text}")
 
 
 def flash(report):
