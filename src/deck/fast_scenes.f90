@@ -60,11 +60,16 @@ contains
     type(scene_t), intent(in) :: scene
     type(pace_t), intent(in) :: pace
     logical :: yes
+    integer :: b
     yes = is_hit(law, pace)
     if (yes .or. any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0) return
     yes = max(pace%anywhere, pace%whole) > whispers*law%bulk_speed .or. &
           pace%pressure > whispers*law%density*law%bulk_speed**2 .or. &
           size(scene%loads) + size(scene%motions) > 0
+    do b = 1, size(scene%bodies)
+      if (.not. scene%bodies(b)%rigid) cycle
+      yes = yes .or. any(scene%bodies(b)%motion%uses_time)
+    end do
   end function is_stirred
 
   !> Whether a liquid is hit or flies, and nothing but fluids deforms.
