@@ -2,8 +2,8 @@
 !! Where bodies are fast at the start, pressures differ or something explodes, shocks run, and
 !!
 !! * materials with an equation of state and no card `viscosity` get a bulk viscosity,
-!! * liquids without a card `failure` bear no tension (nor where something presses or drives them
-!!   and nothing pulls),
+!! * liquids without a card `failure` bear no tension. They bear none in slower scenes either,
+!!   where loads, moved parts or speeds make more than weak sound, and there is no gravity,
 !! * metals with an equation of state that no card lets fail are torn where it ends.
 module sgmp_fast_scenes
   use sgmp_constitutive, only: constitutive_t, law_bends, law_cavitate, law_first_pressure, &

@@ -12,7 +12,6 @@ module sgmp_contact_patch
   use sgmp_meetings, only: meetings_push
   use sgmp_model, only: model_t
   use sgmp_scene, only: scene_t
-  use sgmp_shapes, only: shape_block
   use sgmp_thickness, only: body_width, length_along
   implicit none
   private
@@ -50,7 +49,6 @@ contains
             loud = max(loud, sqrt(e%shear/e%density))
           end associate
         end if
-        if (all(scene%bodies(b)%shapes%kind == shape_block)) cycle
         if (length_along(scene%bodies(b)%shapes, model%mesh, along) > 0.0_dp) cycle
         radius = 0.5_dp*body_width(scene%bodies(b)%shapes, model%mesh)
         curves = curves + 1.0_dp/radius

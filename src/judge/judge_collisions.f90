@@ -155,13 +155,13 @@ contains
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
     type(contact_pair_t), intent(in) :: pair
-    real(dp) :: cells
+    real(dp) :: cells, push(3)
     integer :: b
     cells = huge(1.0_dp)
+    push = meetings_push(model, pair)
     do b = 1, 2
       if (model%bodies(pair%body(b))%rigid) cycle
-      cells = min(cells, length_along(scene%bodies(pair%body(b))%shapes, model%mesh, &
-                                      meetings_push(model, pair)))
+      cells = min(cells, length_along(scene%bodies(pair%body(b))%shapes, model%mesh, push))
     end do
   end function cells_along
 

@@ -8,7 +8,7 @@
 !!
 !! Where a denser fluid lies on a lighter one, waves between them grow, by exp(t sqrt(A g k)) at
 !! first (Rayleigh, Taylor). Both share the cells between them, so that they grow too slowly, by
-!! 0.52 to 0.56 kh (16 to 64 cells a wave, A = 1/2).
+!! 0.51 to 0.57 kh (16 to 64 cells a wave, A = 1/2).
 module sgmp_judge_waves
   use sgmp_constitutive, only: law_is_spherical, law_liquid, material_explosive
   use sgmp_kernels, only: method_bspline, method_sgmp
@@ -25,7 +25,7 @@ module sgmp_judge_waves
 
   real(dp), parameter :: wave_weight = 1.0_dp    !! error over (kh)^2, sgmp 0.86 to 1.02
   real(dp), parameter :: noisy_weight = 4.0_dp   !! of methods that are neither sgmp nor bspline
-  real(dp), parameter :: growth_weight = 0.6_dp  !! error of the rate over kh
+  real(dp), parameter :: growth_weight = 0.7_dp  !! error of the rate over kh
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
   real(dp), parameter :: most_error = 0.45_dp
   real(dp), parameter :: heavier = 1.001_dp        !! density over that below

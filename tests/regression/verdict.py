@@ -16,6 +16,9 @@ import sys
 
 from _runs import BURNS, ENVIRONMENT, INCLINED, SCRATCH, SGMP, SOURCE, Report, Run, changed, run
 
+sys.path.insert(0, f"{SOURCE}/tests/fuzz")
+from _lagrange import Gas, Jwl, Layer, Metal, Row, Water  # noqa: E402
+
 # Stretches to 1 + strain times its length, nearly without force.
 STRETCH = """
 parameter method = sgmp
@@ -880,8 +883,6 @@ history steps=50
 def plates(report):
     """Plates of metal that bounce lack less of their velocity than is told, beside a code in one dimension; fine ones
     are not judged. Gas between plates, a charge in gas."""
-    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
-    from _lagrange import Gas, Layer, Metal, Row
     aluminium = Metal(2.7e-3, 5328, 1.34, 2, 70000/2.66, 300)
     steel = Metal(7.83e-3, 4569, 1.49, 1.93, 207000/2.58, 500)
     exact = Row([Layer(aluminium, 0, 1, 60, 500.0), Layer(steel, 1.4, 3.4, 120)]).run(0.003).velocity(0)
@@ -1085,8 +1086,6 @@ output csv at=end fields=velocity,mass,initial_position
 def spall(report):
     """What flies off a plate lacks velocity, beside a code in one dimension, by less than is told; with a tension that
     is small beside the pressure, and without, nothing is told."""
-    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
-    from _lagrange import Layer, Metal, Row
     steel = Metal(7.83e-3, 4569, 1.49, 1.93, 207000/2.58, 500)
     steel.spall = -2484
     exact = Row([Layer(steel, 0, 1, 96, 200.0), Layer(steel, 1, 3, 192)]).run(1.7e-3).outer(1, 0.2)
@@ -1170,7 +1169,6 @@ def splashes(report):
 def waves(report):
     """Water waves of few cells are slower by what is told; long ones and water at rest are not judged."""
     short = coarse(report, "waves", WAVES, "waves of the liquid are about", 0.1)
-    sys.path.insert(0, f"{SOURCE}/tests/fuzz")
     from _truths import minima
     rows = short.table("history.csv")
     least = min(row["kinetic_energy"] for row in rows)
@@ -1336,9 +1334,8 @@ history steps=1
 
 def shocks(report):
     """The peak of a charge's shock in water, beside a code in one dimension, lacks less than is told: more is told and
-    lacks with the viscosity that flat shocks want, little would be told with cells that nobody can pay for here. Too
-    little viscosity lets it overshoot. A plate in the water is no gauge."""
-    from _lagrange import Jwl, Layer, Row, Water
+    lacks with the viscosity that flat shocks want. Too little viscosity lets it overshoot. A plate in the water is
+    no gauge."""
     row = Row([Layer(Jwl(1.63e-3, 6930, 371200, 3231, 4.15, 0.95, 0.3, 7000), 0, 52.7, 50, lit=0.0),
                Layer(Water(1e-3, 1500, 1.75, 0.28), 52.7, 650, 400)], order=2)
     there, peak = 50 + round((500 - 52.7)/(650 - 52.7)*400), 0
