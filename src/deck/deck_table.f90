@@ -14,6 +14,7 @@ module sgmp_deck_table
   use sgmp_cards_motion, only: register_motion
   use sgmp_cards_output, only: register_output
   use sgmp_cards_surface, only: register_surface
+  use sgmp_reference_card, only: register_reference
   use sgmp_registry, only: registry_t
   use sgmp_removal_card, only: register_removal
   use sgmp_section_card, only: register_section
@@ -44,6 +45,7 @@ contains
     table%group = 'Method and time'
     call register_method(table)
     call register_splitting(table)
+    call register_reference(table)
     table%group = 'Materials'
     call register_material(table)
     table%group = 'Bodies'

@@ -40,6 +40,10 @@ contains
       do b = a + 1, size(scene%bodies)
         if (.not. (apart(a, b) .or. passes_by(scene, a, b))) cycle
         if (is_named(scene, a, b) .or. in_one_group(scene, a, b)) cycle
+        if (scene%features%reference) then
+          scene%features%meeting = [a, b]
+          return
+        end if
         scene%many_groups = groups(scene)
         if (scene%many_groups > most_groups) return
         scene%many_groups = 0

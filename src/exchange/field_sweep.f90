@@ -17,6 +17,7 @@ module sgmp_field_sweep
   use sgmp_mesh, only: mesh_t
   use sgmp_neighbours, only: neighbours_receive, neighbours_send, neighbours_wait
   use sgmp_pace, only: pace_note
+  use sgmp_particle_faults, only: fault_names, fault_squeezed, fault_through_wall
   use sgmp_plan, only: plan_t
   use sgmp_ranks, only: ranks_t
   use sgmp_sums, only: sweep_sums
@@ -280,16 +281,26 @@ contains
         if (work%bad_id > 0 .and. .not. allocated(findings%failure)) then
           findings%failed_in = findings%strained
           call error_make(findings%failure, exit_numerical, &
-                          body_particle(bodies, work%bad_id)// &
-                          trim(merge(' has an imaginary sound speed   ', &
-                                     ' is inside out or not a number  ', work%no_sound))// &
-                          ' after step '//integer_text(plan%step), &
-                          'reduce cfl, add bulk viscosity, or use a finer grid; look at '// &
-                          'formulas of time, which must stay numbers; see the last dump for '// &
-                          'where it is')
+                          body_particle(bodies, work%bad_id)//' '// &
+                          trim(fault_names(work%fault))//' after step '// &
+                          integer_text(plan%step), remedy_of(work%fault))
         end if
       end associate
     end do
   end subroutine collect_findings
+
+  !> What helps a particle whose state makes no sense.
+  pure function remedy_of(fault) result(remedy)
+    integer, intent(in) :: fault                 !! one of fault_*
+    character(:), allocatable :: remedy
+    select case (fault)
+    case (fault_squeezed, fault_through_wall)
+      remedy = 'first places no longer say what is near: leave out frame=reference; '// &
+               'see doc/reference-frame.md'
+    case default
+      remedy = 'reduce cfl, add bulk viscosity, or use a finer grid; look at formulas of time, '// &
+               'which must stay numbers; see the last dump for where it is'
+    end select
+  end function remedy_of
 
 end module sgmp_field_sweep

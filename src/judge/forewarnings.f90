@@ -21,7 +21,7 @@ module sgmp_forewarnings
   use sgmp_near_walls, only: near_walls
   use sgmp_parallel, only: parallel_max, parallel_min, parallel_sum
   use sgmp_particle_file, only: particle_file_columns
-  use sgmp_particles, only: particles_t
+  use sgmp_particles, only: particles_seat, particles_t
   use sgmp_scene, only: layout_file, scene_t
   use sgmp_seeding, only: seeding_shape_volume
   use sgmp_spelling, only: string_t
@@ -344,6 +344,7 @@ contains
   pure function cells_of(particles) result(cells)
     type(particles_t), intent(in) :: particles
     integer(i8) :: cells
+    real(dp) :: seat(particles%ndim)
     logical :: taken(0:particles%span - 1)
     integer :: bin, chunk, l
     cells = 0_i8
@@ -353,8 +354,8 @@ contains
       do while (chunk > 0)
         do l = 1, lanes
           if (particles%id(l, chunk) == 0) cycle
-          taken(modulo(floor(particles%motion(l, 1, chunk) - particles%shift), particles%span)) = &
-            .true.
+          seat = particles_seat(particles, l, chunk)
+          taken(modulo(floor(seat(1) - particles%shift), particles%span)) = .true.
         end do
         chunk = particles%next(chunk)
       end do

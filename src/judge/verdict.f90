@@ -138,7 +138,8 @@ contains
     call judge_volumes(self%opinion, self%state, scene%method%volumes_kept)
     mpm = model%fields(1)%kernel == kernel_mpm
     call judge_particles(self%opinion, self%state, scene, model%findings%lost, mpm)
-    call judge_pressed(self%opinion, self%state, mpm, model%method%update == update_usf)
+    call judge_pressed(self%opinion, self%state, stresses_jump(model), &
+                       model%method%update == update_usf)
     solid = .not. scene%bodies%rigid .and. &
             [(.not. any(model%bodies(b)%law%kind == [material_explosive, material_fluid]), &
               b=1, size(scene%bodies))]
@@ -147,6 +148,12 @@ contains
     call judge_ball(self%opinion, model, thinnest_of(scene, model, solid, cells), cells)
     call judge_resolution(self%opinion, self%thinnest, self%thickness, self%steps)
   end subroutine verdict_reach
+
+  !> Whether stresses jump where particles change cells; those that keep their first places do not.
+  pure logical function stresses_jump(model) result(yes)
+    type(model_t), intent(in) :: model
+    yes = model%fields(1)%kernel == kernel_mpm .and. .not. model%method%features%reference
+  end function stresses_jump
 
   !> The body with the fewest cells across among some; 0 where none of them has an end.
   function thinnest_of(scene, model, among, cells) result(thinnest)

@@ -38,7 +38,11 @@ module DIM(sgmp_chunk)
   use sgmp_one_sided, only: one_sided_arms, one_sided_drift, one_sided_face, one_sided_flux, &
                             one_sided_levers, one_sided_push, one_sided_reached, one_sided_strain
   use sgmp_one_sided_wall, only: one_sided_wall_t
+  use sgmp_particle_faults, only: fault_inside_out, fault_none, fault_silent
   use sgmp_plan, only: plan_t, workspace_t
+  use CARTESIAN(sgmp_reference), only: nominal_of, reference_check, reference_locate, &
+                                       reference_nominal, reference_rates, reference_strain, &
+                                       reference_way
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
                                      linear_scatter_pairs, linear_scatter_slopes
@@ -52,8 +56,8 @@ module DIM(sgmp_chunk)
                         swirl_strain
   use sgmp_swirl_driven, only: swirl_driven_read
 #endif
-  use CARTESIAN(sgmp_transfer), only: linear_gather, linear_gather_gradient, linear_weights, &
-                                      record_group
+  use CARTESIAN(sgmp_transfer), only: flux_of, linear_gather, linear_gather_gradient, &
+                                      linear_weights, record_group
 #if NDIM == 2
   use CARTESIAN(sgmp_transfer), only: linear_gather_cells
 #endif
@@ -290,7 +294,9 @@ contains
 #endif
     real(dp) :: change(lanes, NDIM), heat(lanes)
     real(dp) :: jumps(lanes, 3, size(body%walls))
+    real(dp) :: rates(lanes, NDIM, NDIM)
     logical :: outside, erodes, eroded(lanes), collides, faced, leaves(lanes)
+    integer :: first                             ! column of first places, if they see the grid
     if (plan%loose) then
       call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
                        stencil, lane_sums)
@@ -298,7 +304,9 @@ contains
     end if
     outside = .false.
     erodes = plan%drift .and. (body%law%erosion%given .or. body%leaves) .and. .not. body%law%rigid
+    first = body%law%slots%reference
     call locate(motion, origin, xi)
+    if (first > 0) call reference_locate(nl, state(1, first), origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, task%live(1, nl), xi, cell, axes, row, records, got)
@@ -312,12 +320,17 @@ contains
     end if
 #endif
     if (nl < lanes .and. .not. task%by_cell) call hold_pads(task%read, task%live(1, nl), got)
+    if (first > 0 .and. plan%gradient > 0) then
+      call reference_rates(state(1, first + NDIM), got(1, task%gradient), rates)
+    end if
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
 #ifdef AXISYMMETRIC
       if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
-      call scatter(task, plan%stress, xi, cell, axes, values, stencil)
+      call scatter(task, plan%stress, first > 0, xi, cell, axes, values, stencil)
+      if (first > 0 .and. plan%stress) call scatter_nominal(task, xi, cell, axes, &
+                                                            state(1, first + NDIM), values, stencil)
       return
     end if
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
@@ -375,6 +388,10 @@ contains
       call drift(task%dt_cells, task%live(1, nl), origin, extent, got(1, task%velocity), motion, &
                  xi, lane_sums, outside)
     end if
+    if (plan%drift .and. first > 0) then
+      call reference_locate(nl, state(1, first), origin, xi)
+      outside = .false.
+    end if
 #ifdef AXISYMMETRIC
     if (plan%swirl .and. plan%drift) then
       call swirl_drift(task%live(1, nl), radius, radii(mesh, motion), motion(1, mass_at), &
@@ -388,6 +405,10 @@ contains
     else
       call update_stress(body%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    end if
+    if (plan%strain .and. first > 0) then
+      call reference_strain(plan%dt_strain, rates, state(1, first + NDIM))
+      call check_first(mesh, nl, id, motion, state(1, first + NDIM), speed2, work)
     end if
     if (plan%strain .and. body%law%slots%damage > 0) then
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
@@ -463,7 +484,9 @@ contains
       call particle_axes(body, task, nb, state, xi, axes)
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
-    call scatter(task, plan%stress, xi, cell, axes, values, stencil)
+    call scatter(task, plan%stress, first > 0, xi, cell, axes, values, stencil)
+    if (first > 0 .and. plan%stress) call scatter_nominal(task, xi, cell, axes, &
+                                                          state(1, first + NDIM), values, stencil)
     if (task%push > 0 .and. task%centred) then
       call scatter_walls(mesh, body%walls, task, id, motion, state, nb, xi, cell, stencil)
     end if
@@ -501,7 +524,7 @@ contains
     if (plan%gradient == 0) then
       values(:, 1) = loose*motion(:, mass_at)
       if (NDIM < 3) cell(nl + 1:) = -1
-      call scatter(task, .false., xi, cell, axes, values, stencil)
+      call scatter(task, .false., .false., xi, cell, axes, values, stencil)
       return
     end if
     got(:, :task%square_read) = 0.0_dp
@@ -516,7 +539,7 @@ contains
                             got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
                             got(1, task%gradient), motion, values)
     if (NDIM < 3) cell(nl + 1:) = -1
-    call scatter(task, .false., xi, cell, axes, values, stencil)
+    call scatter(task, .false., .false., xi, cell, axes, values, stencil)
   end subroutine chunk_loose
 
   !> Largest side of the cells that particles are in.
@@ -752,7 +775,8 @@ contains
     if (plan%strain) then
       call stress_update(law, plan%dt_strain, plan%time, motion(1, mass_at), live, &
                          got(1, task%gradient), nb, state, flux, speed2, jacobian, &
-                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous), plan%behind)
+                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous), &
+                         plan%behind .and. law%slots%reference == 0)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(law, state(1, 1), speed2, live, state(1, law%slots%stress), flux)
@@ -1073,14 +1097,36 @@ contains
       work%fastest = speed(l)
       work%fastest_id = id(l)
     end if
-    if (work%bad_id /= 0) return
     do l = 1, nl
       if (jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp) cycle
-      work%bad_id = id(l)
-      work%no_sound = jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp
+      call note_fault(id(l), merge(fault_silent, fault_inside_out, &
+                                   jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp), work)
       return
     end do
   end subroutine note_worst
+
+  !> Notes what must not go on where particles see the grid from their first places.
+  pure subroutine check_first(mesh, nl, id, motion, f, speed2, work)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: nl
+    integer(i4), intent(in) :: id(lanes)
+    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), f(lanes, NDIM, NDIM)
+    real(dp), intent(inout) :: speed2(lanes)     !! becomes what limits the step
+    type(workspace_t), intent(inout) :: work
+    integer :: fault, lane
+    call reference_check(mesh, nl, motion, f, speed2, fault, lane)
+    if (fault /= fault_none) call note_fault(id(lane), fault, work)
+  end subroutine check_first
+
+  !> Notes the first particle whose state makes no sense.
+  pure subroutine note_fault(id, fault, work)
+    integer(i4), intent(in) :: id
+    integer, intent(in) :: fault                 !! one of fault_*
+    type(workspace_t), intent(inout) :: work
+    if (work%bad_id /= 0) return
+    work%bad_id = id
+    work%fault = fault
+  end subroutine note_fault
 
   !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
   pure subroutine collect(mesh, with_mass, with_momentum, masses, live, motion, values)
@@ -1228,6 +1274,9 @@ contains
       call loads_on_faces(mesh, body, body%loads(i), plan%time, &
                           merge(1.0_dp, 0.0_dp, id /= 0), nb, motion, state, force, way, some)
       if (.not. some) cycle
+      if (body%law%slots%reference > 0) then
+        way = reference_way(state(1, body%law%slots%reference + NDIM), way)
+      end if
       if (task%wide) then
         call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
         call product_scatter(NDIM, spread, force, stencil(1, plan%faces + 1, 1))
@@ -1455,9 +1504,11 @@ contains
   end subroutine split_particles
 
   !> Adds a chunk to the accumulators of its stencils.
-  pure subroutine scatter(task, stress, xi, cell, axes, values, stencil)
+  pure subroutine scatter(task, stress, open, xi, cell, axes, values, stencil)
     type(task_t), intent(in) :: task
     logical, intent(in) :: stress
+    logical, intent(in) :: open                  !! forces of stresses come later, where they act at
+                                                 !! nodes
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     integer, intent(in) :: cell(lanes)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
@@ -1481,18 +1532,21 @@ contains
       if (rest < task%plain) call linear_scatter(task%plain - rest, xi, cell, &
                                                  values(1, rest + 1), task%nq, &
                                                  stencil(1, rest + 1, 1))
-      if (stress) call linear_scatter_force(xi, cell, task%inverse_h, values(1, task%flux + 1), &
-                                            task%nq, stencil(1, plain + 1, 1))
+      if (open) return
+      if (stress) call linear_scatter_force(xi, cell, task%inverse_h, flux_of, &
+                                            values(1, task%flux + 1), task%nq, &
+                                            stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
       if (stress) call linear_scatter(1, xi, cell, values(1, task%flux + NFLUX), task%nq, &
                                       stencil(1, plain + 1, 1))
 #endif
     else
-      call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
+      call product_spread(axes, axes(1, 1, 1, 2), stress .and. .not. open, spread)
       if (plain > 0) call product_scatter(plain, spread, values, stencil)
       if (rest < task%plain) call product_scatter(task%plain - rest, spread, &
                                                   values(1, rest + 1), stencil(1, rest + 1, 1))
-      if (stress) call product_scatter_force(spread, values(1, task%flux + 1), &
+      if (open) return
+      if (stress) call product_scatter_force(spread, flux_of, values(1, task%flux + 1), &
                                              stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
       if (stress) call product_scatter(1, spread, values(1, task%flux + NFLUX), &
@@ -1500,5 +1554,33 @@ contains
 #endif
     end if
   end subroutine scatter
+
+  !> Adds the forces of stresses to the nodes of the first places, whose columns nothing has filled
+  !! (sgmp_reference).
+  pure subroutine scatter_nominal(task, xi, cell, axes, f, values, stencil)
+    type(task_t), intent(in) :: task
+    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
+    integer, intent(in) :: cell(lanes)
+    real(dp), intent(in) :: f(lanes, NDIM, NDIM)  !! deformation gradient
+    real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
+    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
+    real(dp) :: nominal(lanes, NDIM, NDIM)
+    type(product_spread_t) :: spread
+    call reference_nominal(f, flux_of, values(1, task%flux + 1), nominal)
+    if (task%wide) then
+      call product_spread(axes, axes(1, 1, 1, 2), .true., spread)
+      call product_scatter_force(spread, nominal_of, nominal, stencil(1, task%forces + 1, 1))
+#ifdef AXISYMMETRIC
+      call product_scatter(1, spread, values(1, task%flux + NFLUX), stencil(1, task%forces + 1, 1))
+#endif
+    else
+      call linear_scatter_force(xi, cell, task%inverse_h, nominal_of, nominal, task%nq, &
+                                stencil(1, task%forces + 1, 1))
+#ifdef AXISYMMETRIC
+      call linear_scatter(1, xi, cell, values(1, task%flux + NFLUX), task%nq, &
+                          stencil(1, task%forces + 1, 1))
+#endif
+    end if
+  end subroutine scatter_nominal
 
 end module DIM(sgmp_chunk)

@@ -3,6 +3,7 @@ module sgmp_plan
   use sgmp_constitutive, only: constitutive_t
   use sgmp_features, only: features_t
   use sgmp_kinds, only: dp, i4
+  use sgmp_particle_faults, only: fault_none
   implicit none
   private
   public :: plan_t, workspace_t
@@ -65,7 +66,7 @@ module sgmp_plan
     real(dp) :: fastest = 0.0_dp                 !! largest c + |v|
     integer(i4) :: fastest_id = 0                !! its particle
     integer(i4) :: bad_id = 0                    !! first particle whose state makes no sense
-    logical :: no_sound = .false.                !! its sound speed is imaginary
+    integer :: fault = fault_none                !! of it, one of fault_*
   end type workspace_t
 
 end module sgmp_plan

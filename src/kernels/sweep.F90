@@ -391,7 +391,7 @@ contains
     call place_bin(mesh, task, body%particles%bins%first(s) + i, body%particles%bins%key(s), &
                    origin, extent)
     movers_before = movers%n
-    in_turn = NDIM == 3 .and. plan%stress
+    in_turn = NDIM == 3 .and. (plan%stress .or. body%particles%reference > 0)
     do while (left > 0)
       if (body%particles%scattered .or. in_turn) then
         next = following(body%particles, bin, chunk)

@@ -41,6 +41,8 @@ module sgmp_material_history
     kept_t('stretch', .false., .false., &
            'diagonal of the deformation gradient (method cpgimp, split)'), &
     kept_t('initial', .false., .false., 'initial position (bodyforce or load that uses it)'), &
+    kept_t('reference', .false., .false., &
+           'first place and deformation gradient (frame=reference)'), &
     kept_t('surface', .false., .false., ''), &
     kept_t('patch', .false., .false., 'patch of the first position (contact self=yes)'), &
     kept_t('swirl', .false., .false., &
@@ -107,6 +109,7 @@ module sgmp_material_history
     integer :: deformation = 0   !! deformation gradient, row by row
     integer :: stretch = 0       !! its diagonal alone, for cpGIMP and to split particles
     integer :: initial = 0       !! initial position, for body forces that use it
+    integer :: reference = 0     !! first place (cells), then the deformation gradient row by row
     integer :: swirl = 0         !! velocity around the axis times radius (cells)
     integer :: surface = 0       !! distance to the body's surface, for contact
     integer :: patch = 0         !! of the first position, where a body touches itself
@@ -210,6 +213,7 @@ contains
     slots%deformation = slots_column(slots, 'deformation')
     slots%stretch = slots_column(slots, 'stretch')
     slots%initial = slots_column(slots, 'initial')
+    slots%reference = slots_column(slots, 'reference')
     slots%swirl = slots_column(slots, 'swirl')
     slots%surface = slots_column(slots, 'surface')
     slots%patch = slots_column(slots, 'patch')

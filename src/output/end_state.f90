@@ -15,7 +15,7 @@ module sgmp_end_state
   use sgmp_parallel, only: parallel_gather, parallel_max, parallel_min, parallel_sum
   use sgmp_particle_fields, only: particle_field_find, particle_field_t, particle_field_values, &
                                   particle_place_t
-  use sgmp_particles, only: first_cell, particles_t
+  use sgmp_particles, only: first_cell, particles_seat, particles_t
   use sgmp_pieces, only: pieces_find
   use sgmp_rows, only: key_j, key_k, row_key, rows_contains, rows_t
   use sgmp_scene, only: body_card_t, layout_file, scene_t
@@ -135,7 +135,7 @@ contains
       state%expansion = max(state%expansion, ratio)
       cells = mesh_occupied(mesh, body%particles%motion(l, :nd, c), volume)
       state%per_cell = min(state%per_cell, 1.0_dp/cells)
-      if (cells > 1.0_dp .and. .not. (is_debris(body, l, c) .or. is_spray(body, pressure))) then
+      if (cells > 1.0_dp .and. leaves_gaps(body, l, c, pressure)) then
         state%stretched = state%stretched + 1
         if (law_gaseous(body%law)) state%thinned = state%thinned + 1
       end if
@@ -145,6 +145,17 @@ contains
       state%pressure = [min(state%pressure(1), pressure), max(state%pressure(2), pressure)]
     end do
   end subroutine look_at_chunk
+
+  !> Whether a particle that has grown larger than a cell has left its neighbours: not where it sees
+  !! the grid from its first place, nor where nothing is to hold it.
+  pure function leaves_gaps(body, l, c, pressure) result(yes)
+    type(body_t), intent(in) :: body
+    integer, intent(in) :: l, c
+    real(dp), intent(in) :: pressure
+    logical :: yes
+    yes = body%law%slots%reference == 0 .and. &
+          .not. (is_debris(body, l, c) .or. is_spray(body, pressure))
+  end function leaves_gaps
 
   !> Whether a particle has failed and bears no stress, as long as it is larger than at the start:
   !! gaps around it change nothing.
@@ -349,12 +360,14 @@ contains
     integer, intent(in) :: bin, first            !! bin, and its first cell
     integer, intent(out) :: inside(0:)
     integer :: chunk, left, l, c
+    real(dp) :: seat(particles%ndim)
     inside = 0
     chunk = particles%first(bin)
     left = particles%size(bin)
     do while (left > 0)
       do l = 1, min(left, lanes)
-        c = floor(particles%motion(l, 1, chunk) - particles%shift) - first
+        seat = particles_seat(particles, l, chunk)
+        c = floor(seat(1) - particles%shift) - first
         inside(c) = inside(c) + 1
       end do
       left = left - lanes

@@ -20,7 +20,7 @@ module sgmp_particles
   public :: particles_t, particles_fill, particles_bytes, particles_bin_of, &
     particles_lay_out, particles_number_bins, particles_pad, particles_cells, &
     bin_coordinates, bin_of_cell, bins_of_cells, &
-    first_cell
+    first_cell, particles_seat
   public :: chunks_take, chunks_make_room, chunks_give_back, chunk_pad, chunk_prefetch
 
   integer, parameter :: many_chunks = 2**14         !! 15 MB
@@ -31,6 +31,8 @@ module sgmp_particles
     integer :: motion_columns = 7                   !! see sgmp_motion
     integer :: state_columns = 7                    !! volume, stress, history
     integer :: path = 0                             !! column of the path, where particles are split
+    integer :: reference = 0                        !! first column of the place by which particles
+                                                    !! are in bins, where that is the first one
     integer :: count = 0                            !! live particles
     integer :: chunks = 0                           !! chunks in use or spare
     integer :: spares = 0
@@ -59,6 +61,18 @@ module sgmp_particles
   end type particles_t
 
 contains
+
+  !> Where a particle is in its bin: its position, or the first one.
+  pure function particles_seat(particles, l, c) result(x)
+    type(particles_t), intent(in) :: particles
+    integer, intent(in) :: l, c                     !! lane, chunk
+    real(dp) :: x(particles%ndim)
+    if (particles%reference > 0) then
+      x = particles%state(l, particles%reference:particles%reference + particles%ndim - 1, c)
+    else
+      x = particles%motion(l, :particles%ndim, c)
+    end if
+  end function particles_seat
 
   !> Bin coordinates (i, j, k) of a position: in 2D the y axis is k.
   pure function bin_coordinates(particles, x) result(bin)
@@ -410,7 +424,11 @@ contains
     logical, intent(in) :: both
     if (chunk == 0) return
     call prefetch(particles%motion(1, 1, chunk), 8*lanes*particles%motion_columns)
-    if (both) call prefetch(particles%state(1, 1, chunk), 8*lanes*particles%state_columns)
+    if (both) then
+      call prefetch(particles%state(1, 1, chunk), 8*lanes*particles%state_columns)
+    else if (particles%reference > 0) then
+      call prefetch(particles%state(1, particles%reference, chunk), 8*lanes*particles%ndim)
+    end if
   end subroutine chunk_prefetch
 
   !> Pads the last chunk of every bin.

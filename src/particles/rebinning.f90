@@ -78,7 +78,7 @@ contains
       movers%gone(m) = .not. all(movers%particle(:d, m) >= lower(:d) .and. &
                                  movers%particle(:d, m) <= upper(:d))
       if (movers%gone(m)) cycle
-      bin = bin_coordinates(particles, movers%particle(:, m))
+      bin = bin_of_mover(particles, movers%particle(:, m))
       if (.not. within(bin(3), particles%held)) cycle
       movers%row(m) = row_near(particles%bins, movers%row(m), row_key(bin(2), bin(3)), bin(1))
       if (movers%row(m) > 0) then
@@ -88,6 +88,16 @@ contains
       end if
     end do
   end subroutine particles_find_bins
+
+  !> Bin coordinates of a particle by its columns.
+  pure function bin_of_mover(particles, columns) result(bin)
+    type(particles_t), intent(in) :: particles
+    real(dp), intent(in) :: columns(:)           !! motion, then state
+    integer :: bin(3), first
+    first = 1
+    if (particles%reference > 0) first = particles%motion_columns + particles%reference
+    bin = bin_coordinates(particles, columns(first:))
+  end function bin_of_mover
 
   pure function within(number, range) result(yes)
     integer, intent(in) :: number, range(2)
@@ -401,7 +411,7 @@ contains
     do m = 1, movers%n
       i(at + m) = huge(i)
       if (.not. wants_bin(particles, movers, m)) cycle
-      bin = bin_coordinates(particles, movers%particle(:, m))
+      bin = bin_of_mover(particles, movers%particle(:, m))
       i(at + m) = bin(1)
       key(at + m) = row_key(bin(2), bin(3))
     end do
@@ -419,7 +429,7 @@ contains
     if (movers%bin(m) > 0) then
       yes = particles%size(movers%bin(m)) == 0
     else
-      bin = bin_coordinates(particles, movers%particle(:, m))
+      bin = bin_of_mover(particles, movers%particle(:, m))
       yes = within(bin(3), particles%held)
     end if
   end function wants_bin

@@ -46,6 +46,7 @@ module sgmp_build_model
   use sgmp_partition, only: partition_make
   use sgmp_phases, only: phase_layout
   use sgmp_ranks, only: ranks_hold, ranks_renew_bins
+  use sgmp_reference_places, only: reference_fill
   use sgmp_rigid_build, only: rigid_begin, rigid_centre, rigid_declare
   use sgmp_rigid_motion, only: motion_energy
   use sgmp_scene, only: body_card_t, layout_gauss, layout_graded, layout_lattice, scene_space, &
@@ -363,6 +364,7 @@ contains
       if (seeded) call file_state_fill(card, mesh%space, body, error)
       if (allocated(error)) return
       call fill_positions(mesh, body)
+      call reference_fill(body)
       call contact_fill_slot(card, mesh, body)
       if (seeded) call fill_loads(scene, number, mesh, body, error)
     end associate

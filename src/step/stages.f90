@@ -50,6 +50,7 @@ module sgmp_stages
   use sgmp_phases, only: phase_average, phase_mirror, phase_normalise, phase_place, phase_relax, &
                          phase_rotation, phase_surfaces_strain, phase_surfaces_weigh, phase_velocity
   use sgmp_plan, only: plan_t
+  use sgmp_reference_places, only: reference_columns
   use sgmp_removal_account, only: removal_account
   use sgmp_removal_stages, only: removal_open
   use sgmp_rigid_bodies, only: rigid_advance, rigid_choose_speed
@@ -82,6 +83,7 @@ contains
     integer, intent(in) :: ndim
     type(body_t), intent(inout) :: body
     call splitting_columns(features%splitting, ndim, body)
+    if (features%reference) call reference_columns(ndim, body)
   end subroutine stage_columns
 
   !> Before the run: terms of the energy balance beside those of the scheme, in the order in which a

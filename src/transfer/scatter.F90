@@ -16,7 +16,6 @@ module DIM(sgmp_scatter)
   use sgmp_kernels, only: linear_span
 #endif
   use sgmp_kinds, only: dp, lanes
-  use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
   public :: linear_scatter, linear_scatter_force, linear_scatter_pairs, linear_scatter_slopes
@@ -121,10 +120,11 @@ contains
 
   !> Adds -grad N . (sigma V) of the particles to the nodal forces of plain MPM (Eq. 11); pads must
   !! bring zeros.
-  pure subroutine linear_scatter_force(xi, cell, inverse_h, flux, columns, sums)
+  pure subroutine linear_scatter_force(xi, cell, inverse_h, of, flux, columns, sums)
     real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
     integer, intent(in) :: cell(lanes)             !! of the bin, from 0; negative: pads
-    real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
+    integer, intent(in) :: of(NDIM, NDIM)          !! component of the flux: (along, of the force)
+    real(dp), intent(in) :: flux(lanes, *)         !! sigma V
     integer, intent(in) :: columns                 !! of an accumulator
     real(dp), intent(inout) :: sums(column_sums, columns, 0:*)  !! the first NDIM columns
     real(dp) :: g(NCORNER, NDIM)
@@ -143,7 +143,7 @@ contains
         do b = 1, NDIM
           !$omp simd simdlen(NCORNER)
           do e = 1, NCORNER
-            sums(first + e, a, odd) = sums(first + e, a, odd) + g(e, b)*flux(l, flux_of(b, a))
+            sums(first + e, a, odd) = sums(first + e, a, odd) + g(e, b)*flux(l, of(b, a))
           end do
         end do
       end do
@@ -263,10 +263,11 @@ contains
   !! A weight is the product of its part along x and its part across: the derivative along x is the
   !! same for both x-layers but for the sign, the others are those across, shared between the layers
   !! in the proportion x.
-  pure subroutine linear_scatter_force(xi, cell, inverse_h, flux, columns, sums)
+  pure subroutine linear_scatter_force(xi, cell, inverse_h, of, flux, columns, sums)
     real(dp), intent(in) :: xi(lanes, NDIM), inverse_h
     integer, intent(in) :: cell(lanes)             !! the bin's only one, 0
-    real(dp), intent(in) :: flux(lanes, NFLUX)     !! sigma V
+    integer, intent(in) :: of(NDIM, NDIM)          !! component of the flux: (along, of the force)
+    real(dp), intent(in) :: flux(lanes, *)         !! sigma V
     integer, intent(in) :: columns                 !! of the accumulator
     real(dp), intent(inout) :: sums(NCORNER, columns, 0:*)  !! the first NDIM columns
     real(dp) :: along(lanes, NDIM), w(NCORNER/2, lanes), slope(NCORNER/2, lanes, NDIM - 1)
@@ -276,9 +277,9 @@ contains
     do a = 1, NDIM
       !$omp simd simdlen(8)
       do l = 1, lanes
-        along(l, a) = inverse_h*flux(l, flux_of(1, a))
+        along(l, a) = inverse_h*flux(l, of(1, a))
         do b = 1, NDIM - 1
-          across(l, b, a) = inverse_h*flux(l, flux_of(b + 1, a))
+          across(l, b, a) = inverse_h*flux(l, of(b + 1, a))
           upper(l, b, a) = xi(l, 1)*across(l, b, a)
         end do
       end do

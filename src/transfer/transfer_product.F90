@@ -10,7 +10,6 @@
 !! other axes, x outermost.
 module DIM(sgmp_transfer_product)
   use sgmp_kinds, only: dp, lanes
-  use DIM(sgmp_transfer), only: flux_of
   implicit none
   private
   public :: product_weights, product_gradients, product_gather, product_gather_gradient
@@ -248,9 +247,10 @@ contains
   end subroutine product_scatter
 
   !> Adds -grad S . (sigma V) of the particles to the nodal forces; pads must bring zeros.
-  pure subroutine product_scatter_force(spread, flux, sums)
+  pure subroutine product_scatter_force(spread, of, flux, sums)
     type(product_spread_t), intent(in) :: spread
-    real(dp), intent(in) :: flux(lanes, NFLUX)
+    integer, intent(in) :: of(NDIM, NDIM)          !! component of the flux: (along, of the force)
+    real(dp), intent(in) :: flux(lanes, *)
     real(dp), intent(inout) :: sums(4, NACROSS, NDIM)
     real(dp) :: across(lanes, NACROSS), along(lanes, NACROSS)  ! the slowest axis
     integer :: l, a, c, e
@@ -258,14 +258,14 @@ contains
       do c = 1, NACROSS
         !$omp simd simdlen(8)
         do l = 1, lanes
-          along(l, c) = spread%across(l, c, 1)*flux(l, flux_of(NDIM, a))
+          along(l, c) = spread%across(l, c, 1)*flux(l, of(NDIM, a))
 #if NDIM == 1
           across(l, c) = 0.0_dp
 #elif NDIM == 2
-          across(l, c) = spread%across(l, c, 2)*flux(l, flux_of(1, a))
+          across(l, c) = spread%across(l, c, 2)*flux(l, of(1, a))
 #else
-          across(l, c) = spread%across(l, c, 2)*flux(l, flux_of(1, a)) &
-                         + spread%across(l, c, 3)*flux(l, flux_of(2, a))
+          across(l, c) = spread%across(l, c, 2)*flux(l, of(1, a)) &
+                         + spread%across(l, c, 3)*flux(l, of(2, a))
 #endif
         end do
       end do

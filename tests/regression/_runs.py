@@ -203,6 +203,26 @@ def changed(text, *pairs):
     return text
 
 
+# A block that flies, turns and is pulled at one face, and whose particles see the grid from their first places.
+REFERENCE = """
+parameter method = gimp
+parameter update = musl
+dimension 2
+grid cell=0.25
+method $method update=$update frame=reference
+time steps=80 cfl=0.4
+material rubber neo_hookean density=1 young=1 poisson=0.3
+body block block material=rubber lower=(0.1,0) upper=(2.1,1) ppc=2 rotation=20
+velocity block x=0.3 y=0.8 omega_z=0.2
+traction block face=x+ x=0.01
+history steps=5
+gauge middle point=(1,0.5,0)
+output csv at=end fields=stress,displacement
+"""
+REFERENCE_SPACE = changed(REFERENCE, ("dimension 2", "dimension 3"), ("steps=80", "steps=30"),
+                          ("lower=(0.1,0) upper=(2.1,1)", "lower=(0.1,0,0) upper=(1.6,0.75,1.5)"))
+
+
 # The same, one of them little by little, with limits and yield stresses that scatter.
 SCATTERED = changed(
     FAILING, ("failure spalling pmin=-0.5", "failure spalling pmin=-0.5 weibull=3"),

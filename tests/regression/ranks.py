@@ -13,8 +13,8 @@ import re
 import subprocess
 
 from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, FULL, HOOPS, INPUT, KEPT_PLANE,
-                   KEPT_RINGS, KEPT_SPACE, METALS, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP, SPLIT, SPLIT_GAS,
-                   SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
+                   KEPT_RINGS, KEPT_SPACE, METALS, REFERENCE, REFERENCE_SPACE, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP,
+                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 # Ranks and threads. Three ranks have one between two others; where cuts move, four are more than it takes.
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)] if FULL else [(1, 1), (2, 2), (4, 1)]
@@ -241,6 +241,8 @@ SCENES = [
     ("kept", KEPT_PLANE, {}, FEW),
     ("kept_space", KEPT_SPACE, {}, FEW),
     ("kept_rings", KEPT_RINGS, {}, FEW),
+    ("reference", REFERENCE, {}, FEW),
+    ("reference_space", REFERENCE_SPACE + "balance every=3 gain=0\n", {"method": "mpm", "update": "usf"}, FEW),
     ("split", SPLIT, {}, LAYOUTS),
     ("split_gas", SPLIT_GAS, {}, FEW),
     ("split_rings", SPLIT_RINGS, {}, FEW),

@@ -6,8 +6,8 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import (AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, RUBBED, SCATTERED, SEAT,
-                   SPLIT, SPLIT_SPACE, SWIRL, Report, own)
+from _runs import (AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, REFERENCE, REFERENCE_SPACE,
+                   RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own)
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -134,6 +134,8 @@ SCENES = [
     ("eroding", ERODING, {}, 80, 2),
     ("absorbing", ABSORBING, {}, 40, 2),
     ("kept", KEPT_PLANE, {}, 80, 2),
+    ("reference", REFERENCE, {}, 80, 2),
+    ("reference_space", REFERENCE_SPACE, {"method": "mpm"}, 30, 1),
     ("split", SPLIT, {}, 60, 2),
     ("split_space", SPLIT_SPACE, {}, 16, 1),
     ("calming", CALMING, {}, 40, 1),

@@ -23,6 +23,7 @@ module DIM(sgmp_loads)
   use sgmp_load, only: load_absorbing, load_blast, load_force, load_pressure, load_t
   use sgmp_mesh, only: mesh_place, mesh_t
   use sgmp_motion, only: motion_total
+  use CARTESIAN(sgmp_reference), only: reference_way_now
   use sgmp_sums, only: sum_applied, sum_edge_impulse, sum_edge_work, sweep_sums
   implicit none
   private
@@ -102,6 +103,10 @@ contains
     do d = 1, NDIM
       way(:, d) = weight*area(:, d)
     end do
+    if (body%law%slots%reference > 0) then
+      call reference_way_now(state(1, body%law%slots%reference + NDIM), &
+                             mesh%inverse_h*state(:, body%law%slots%volume), area, way)
+    end if
     call take_places(mesh, body, time, nb, motion, state, places)
     places(:, :NDIM) = places(:, :NDIM) + mesh%h*way
     if (mesh%graded) way = way/graded_loads_sides(mesh, motion)

@@ -23,6 +23,8 @@ module sgmp_features
   type :: features_t
     type(splitting_t) :: splitting
     type(wall_friction_t) :: wall_friction
+    logical :: reference = .false.     !! particles see the grid from their first places
+    integer :: meeting(2) = 0          !! bodies that nothing would keep apart then
   end type features_t
 
   !> Of a particle where the program splits it, by axes: it becomes no more than 256, 16, 8.
