@@ -3,14 +3,16 @@
 !!
 !! * materials with an equation of state and no card `viscosity` get a bulk viscosity,
 !! * liquids without a card `failure` bear no tension. They bear none in slower scenes either,
-!!   where loads, moved parts or speeds make more than weak sound, and there is no gravity,
+!!   where loads, moved parts or speeds make more than weak sound, and there is no gravity, or
+!!   pressures from outside outweigh it by far,
 !! * metals with an equation of state that no card lets fail are torn where it ends.
 module sgmp_fast_scenes
   use sgmp_constitutive, only: constitutive_t, law_bends, law_cavitate, law_first_pressure, &
                                law_is_spherical, law_liquid, law_may_cavitate, law_may_shock, &
                                law_may_tear, law_spread_shocks, law_tear, material_explosive
   use sgmp_kinds, only: dp
-  use sgmp_scene, only: scene_t
+  use sgmp_load, only: load_blast, load_pressure, load_traction
+  use sgmp_scene, only: load_card_t, scene_t
   use sgmp_shapes, only: shapes_box
   implicit none
   private
@@ -22,12 +24,15 @@ module sgmp_fast_scenes
                                                !! by a fifth and more
   real(dp), parameter :: hammers = 0.02_dp     !! of liquids, soils, by bodies that fly as a whole
   real(dp), parameter :: whispers = 1.0e-4_dp  !! of liquids: rho c v is 0.2 MPa in water
+  real(dp), parameter :: outweighs = 10.0_dp   !! pressure of loads over that of a liquid's weight
 
   !> How fast a scene begins.
   type :: pace_t
     real(dp) :: anywhere = 0.0_dp    !! largest speed
     real(dp) :: whole = 0.0_dp       !! the same of bodies that fly as a whole
     real(dp) :: pressure = 0.0_dp    !! largest step of the pressure of fluids
+    real(dp) :: load = 0.0_dp        !! largest pressure of loads; huge: of an air blast
+    real(dp) :: head = 0.0_dp        !! gravity times height of all bodies along it
     logical :: explodes = .false.
   end type pace_t
 
@@ -54,7 +59,8 @@ contains
   !> Whether more than sound of little pressure runs through a liquid: it would open where it is
   !! drawn. Whoever looks at such sound alone means the tension that goes with it; and under gravity
   !! liquids are made softer than they are, so that their sound is no small one: water in a tank
-  !! that is shaken would open, and splash with three times the energy.
+  !! that is shaken would open, and splash with three times the energy. Of pressures that outweigh
+  !! the liquid by far that is not so.
   pure function is_stirred(law, scene, pace) result(yes)
     type(constitutive_t), intent(in) :: law
     type(scene_t), intent(in) :: scene
@@ -62,7 +68,11 @@ contains
     logical :: yes
     integer :: b
     yes = is_hit(law, pace)
-    if (yes .or. any(abs(scene%gravity) > 0.0_dp) .or. size(scene%bodyforces) > 0) return
+    if (yes .or. size(scene%bodyforces) > 0) return
+    if (any(abs(scene%gravity) > 0.0_dp)) then
+      yes = pace%load > outweighs*law%density*pace%head
+      return
+    end if
     yes = max(pace%anywhere, pace%whole) > whispers*law%bulk_speed .or. &
           pace%pressure > whispers*law%density*law%bulk_speed**2 .or. &
           size(scene%loads) + size(scene%motions) > 0
@@ -116,7 +126,50 @@ contains
       end associate
     end do
     pace%pressure = pressure_step(scene)
+    do b = 1, size(scene%loads)
+      pace%load = max(pace%load, load_peak(scene%loads(b), scene%time%end))
+    end do
+    pace%head = head_of(scene)
   end function pace_of
+
+  !> Largest pressure or traction of a load within a time.
+  function load_peak(load, time) result(peak)
+    type(load_card_t), intent(in) :: load
+    real(dp), intent(in) :: time
+    real(dp) :: peak
+    real(dp), parameter :: nowhere(3) = 0.0_dp
+    integer, parameter :: looks = 40
+    real(dp) :: value(3)
+    integer :: d, i
+    peak = 0.0_dp
+    if (load%kind == load_blast) peak = huge(1.0_dp)
+    if (all(load%kind /= [load_pressure, load_traction])) return
+    do i = 0, merge(looks, 0, time < huge(1.0_dp))
+      ! More looks at the start, where pulses are.
+      value = [(load%value(d)%evaluate(nowhere, nowhere, time*(real(i, dp)/looks)**4), d=1, 3)]
+      if (all(abs(value) < huge(1.0_dp))) peak = max(peak, norm2(value))
+    end do
+  end function load_peak
+
+  !> Gravity times the height of all bodies together.
+  pure function head_of(scene) result(head)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: head
+    real(dp) :: lower(3), upper(3), low(3), high(3)
+    integer :: b
+    head = 0.0_dp
+    low = huge(1.0_dp)
+    high = -huge(1.0_dp)
+    do b = 1, size(scene%bodies)
+      if (.not. allocated(scene%bodies(b)%shapes)) cycle
+      if (size(scene%bodies(b)%shapes) == 0) cycle
+      call shapes_box(scene%bodies(b)%shapes, lower, upper)
+      low = min(low, lower)
+      high = max(high, upper)
+    end do
+    if (any(high < low)) return
+    head = sum(abs(scene%gravity)*(high - low), mask=abs(scene%gravity) > 0.0_dp)
+  end function head_of
 
   !> Whether what moves or pushes at the start makes shocks in a material. A step of the pressure
   !! moves matter by the pressure over density and speed of sound.

@@ -74,6 +74,8 @@ body plate block material=steel lower=300 upper=305
 pressure water face=x- p="10*exp(-t/0.1)"
 history steps=5
 """
+# The same on end, under gravity, which is nothing beside the shock.
+HEAVY = THROWN.replace("time end", "gravity -9.8e-3\ntime end")
 report = Report()
 sgmp, scratch = str(Path(sys.argv[1]).resolve()), Path(sys.argv[3])
 scratch.mkdir(parents=True, exist_ok=True)
@@ -150,7 +152,7 @@ def thrown():
     def taylor(t):
         return 2*peak*theta/(mass*(1 - z))*(math.exp(-z*t/theta) - math.exp(-t/theta))
 
-    for name, deck in (("thrown", THROWN), ("thrown_plane", THROWN.replace("dimension 1", "dimension 2").replace(
+    for name, deck in (("thrown", THROWN), ("thrown_heavy", HEAVY), ("thrown_plane", THROWN.replace("dimension 1", "dimension 2").replace(
             "grid cell=h", "grid cell=h y=0:4\nwall y-=slip y+=slip").replace("lower=0 upper=300", (
                 "lower=(0,0) upper=(300,4)")).replace("lower=300 upper=305", "lower=(300,0) upper=(305,4)"))):
         found = table(run(name, deck)[0]/"bodies.csv")
