@@ -38,11 +38,8 @@ module DIM(sgmp_chunk)
   use sgmp_one_sided, only: one_sided_arms, one_sided_drift, one_sided_face, one_sided_flux, &
                             one_sided_levers, one_sided_push, one_sided_reached, one_sided_strain
   use sgmp_one_sided_wall, only: one_sided_wall_t
-  use sgmp_particle_faults, only: fault_inside_out, fault_none, fault_silent
+  use sgmp_particle_faults, only: fault_inside_out, fault_silent
   use sgmp_plan, only: plan_t, workspace_t
-  use CARTESIAN(sgmp_reference), only: nominal_of, reference_check, reference_locate, &
-                                       reference_nominal, reference_rates, reference_strain, &
-                                       reference_way
   use DIM(sgmp_relaxation), only: relaxation_apply, relaxation_collect, relaxation_square
   use CARTESIAN(sgmp_scatter), only: column_sums, linear_scatter, linear_scatter_force, &
                                      linear_scatter_pairs, linear_scatter_slopes
@@ -67,7 +64,7 @@ module DIM(sgmp_chunk)
   implicit none
   private
   public :: axes_moved, chunk_advance, particle_axes, task_make, task_t
-  public :: largest_stencil, most_columns, most_rows, twist_ends
+  public :: largest_stencil, most_columns, most_gathered, most_rows, twist_ends
 
   integer, parameter :: largest_stencil = NWIDE
   integer, parameter :: most_rows = NACROSS
@@ -264,6 +261,8 @@ contains
 
   end subroutine place_values
 
+#include "chunk_parts.inc"
+
   !> Advances a chunk: the one place where a sweep decides which of its parts run.
   ! allow(S901, S902)
   subroutine chunk_advance(mesh, body, plan, task, s, origin, extent, nl, row, records, nb, id, &
@@ -294,9 +293,7 @@ contains
 #endif
     real(dp) :: change(lanes, NDIM), heat(lanes)
     real(dp) :: jumps(lanes, 3, size(body%walls))
-    real(dp) :: rates(lanes, NDIM, NDIM)
     logical :: outside, erodes, eroded(lanes), collides, faced, leaves(lanes)
-    integer :: first                             ! column of first places, if they see the grid
     if (plan%loose) then
       call chunk_loose(mesh, body, plan, task, origin, nl, row, records, nb, motion, state, &
                        stencil, lane_sums)
@@ -304,9 +301,7 @@ contains
     end if
     outside = .false.
     erodes = plan%drift .and. (body%law%erosion%given .or. body%leaves) .and. .not. body%law%rigid
-    first = body%law%slots%reference
     call locate(motion, origin, xi)
-    if (first > 0) call reference_locate(nl, state(1, first), origin, xi)
     call enter_cells(task%span, xi, cell)
     if (task%wide) call particle_axes(body, task, nb, state, xi, axes)
     call gather(task, plan%gradient > 0, task%live(1, nl), xi, cell, axes, row, records, got)
@@ -320,17 +315,12 @@ contains
     end if
 #endif
     if (nl < lanes .and. .not. task%by_cell) call hold_pads(task%read, task%live(1, nl), got)
-    if (first > 0 .and. plan%gradient > 0) then
-      call reference_rates(state(1, first + NDIM), got(1, task%gradient), rates)
-    end if
     if (plan%probe) then
       call probe(body%law, plan%stress, task, task%live(1, nl), motion(1, mass_at), got, values)
 #ifdef AXISYMMETRIC
       if (plan%stress .and. .not. task%centred) call hoop_force(task, motion, values)
 #endif
-      call scatter(task, plan%stress, first > 0, xi, cell, axes, values, stencil)
-      if (first > 0 .and. plan%stress) call scatter_nominal(task, xi, cell, axes, &
-                                                            state(1, first + NDIM), values, stencil)
+      call scatter(task, plan%stress, xi, cell, axes, values, stencil)
       return
     end if
     if (body%is_driven .and. (plan%kick .or. plan%drift)) then
@@ -388,10 +378,6 @@ contains
       call drift(task%dt_cells, task%live(1, nl), origin, extent, got(1, task%velocity), motion, &
                  xi, lane_sums, outside)
     end if
-    if (plan%drift .and. first > 0) then
-      call reference_locate(nl, state(1, first), origin, xi)
-      outside = .false.
-    end if
 #ifdef AXISYMMETRIC
     if (plan%swirl .and. plan%drift) then
       call swirl_drift(task%live(1, nl), radius, radii(mesh, motion), motion(1, mass_at), &
@@ -405,10 +391,6 @@ contains
     else
       call update_stress(body%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
-    end if
-    if (plan%strain .and. first > 0) then
-      call reference_strain(plan%dt_strain, rates, state(1, first + NDIM))
-      call check_first(mesh, nl, id, motion, state(1, first + NDIM), speed2, work)
     end if
     if (plan%strain .and. body%law%slots%damage > 0) then
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &
@@ -484,9 +466,7 @@ contains
       call particle_axes(body, task, nb, state, xi, axes)
     end if
     if (NDIM < 3) cell(nl + 1:) = -1
-    call scatter(task, plan%stress, first > 0, xi, cell, axes, values, stencil)
-    if (first > 0 .and. plan%stress) call scatter_nominal(task, xi, cell, axes, &
-                                                          state(1, first + NDIM), values, stencil)
+    call scatter(task, plan%stress, xi, cell, axes, values, stencil)
     if (task%push > 0 .and. task%centred) then
       call scatter_walls(mesh, body%walls, task, id, motion, state, nb, xi, cell, stencil)
     end if
@@ -524,7 +504,7 @@ contains
     if (plan%gradient == 0) then
       values(:, 1) = loose*motion(:, mass_at)
       if (NDIM < 3) cell(nl + 1:) = -1
-      call scatter(task, .false., .false., xi, cell, axes, values, stencil)
+      call scatter(task, .false., xi, cell, axes, values, stencil)
       return
     end if
     got(:, :task%square_read) = 0.0_dp
@@ -539,7 +519,7 @@ contains
                             got(:, NDIM + 1:2*NDIM) - plan%dt_kick*got(:, :NDIM), &
                             got(1, task%gradient), motion, values)
     if (NDIM < 3) cell(nl + 1:) = -1
-    call scatter(task, .false., .false., xi, cell, axes, values, stencil)
+    call scatter(task, .false., xi, cell, axes, values, stencil)
   end subroutine chunk_loose
 
   !> Largest side of the cells that particles are in.
@@ -631,22 +611,6 @@ contains
                         got(1, task%square_read), motion, nb, state, internal)
   end subroutine settle
 
-  !> One component of the records, read at nodes.
-  pure subroutine gather_one(task, xi, cell, axes, row, records, got)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: cell(lanes), row(most_rows)
-    real(dp), intent(in) :: records(task%stride, *)
-    real(dp), intent(out) :: got(lanes)
-    real(dp) :: w(lanes, NCORNER)
-    if (task%wide) then
-      call product_gather(1, axes, task%stride, records, row, got)
-    else
-      call linear_weights(xi, w)
-      call linear_gather(1, w, cell, task%stride, records, row, got)
-    end if
-  end subroutine gather_one
-
   !> Averages the plastic strain of a chunk over its length (sgmp_averaging).
   subroutine average(law, dt, task, xi, cell, axes, row, records, nb, state)
     type(constitutive_t), intent(in) :: law
@@ -700,52 +664,6 @@ contains
     collides = any(got(:, 1) > 0.0_dp)
   end subroutine gather_collide
 
-  !> Books the work of forces on faces: on the way that particles drift, at the velocity in the
-  !! middle of the kick.
-  subroutine book_faces(mesh, body, plan, task, live, got, nb, motion, state, lane_sums)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: live(lanes), got(lanes, most_gathered)
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(inout) :: lane_sums(lanes, sweep_sums)
-    real(dp) :: moved(lanes, NDIM)
-    moved = 0.0_dp
-    if (plan%kick) moved = -plan%work_lag*plan%dt_work**2*got(:, :NDIM)
-    if (plan%drift) moved = moved + plan%dt_work*got(:, task%kicked:task%kicked + NDIM - 1)
-    call loads_book(mesh, body, plan%began, merge(plan%dt_kick, 0.0_dp, plan%kick), live, &
-                    moved, nb, motion, state, lane_sums)
-  end subroutine book_faces
-
-  !> Has driven particles read their own motion in the place of the grid's.
-  subroutine drive(mesh, body, plan, task, live, nb, motion, state, got, work)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(inout) :: got(lanes, most_gathered)
-    type(workspace_t), intent(inout) :: work
-    real(dp) :: acceleration(lanes, NDIM), velocity(lanes, NDIM), none(0, 0)
-    logical :: moves
-    moves = plan%drift .or. plan%flip < 1.0_dp
-    acceleration = got(:, :NDIM)
-    velocity = 0.0_dp
-    if (moves) velocity = got(:, task%velocity:task%velocity + NDIM - 1)
-    if (plan%kick) then
-      call driven_read(mesh, body, plan%dt_kick, .true., moves, live, nb, motion, state, &
-                       acceleration, velocity, work%drives(:, :, work%plane))
-      got(:, :NDIM) = acceleration
-    else
-      call driven_read(mesh, body, 0.0_dp, .false., moves, live, nb, motion, state, acceleration, &
-                       velocity, none)
-    end if
-    if (moves) got(:, task%velocity:task%velocity + NDIM - 1) = velocity
-  end subroutine drive
-
   !> Stress update where the sweep strains, and the flux that the grid wants.
   subroutine update_stress(law, mesh, plan, task, live, motion, got, nb, state, flux, speed2, &
                            jacobian, lane_sums)
@@ -775,45 +693,12 @@ contains
     if (plan%strain) then
       call stress_update(law, plan%dt_strain, plan%time, motion(1, mass_at), live, &
                          got(1, task%gradient), nb, state, flux, speed2, jacobian, &
-                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous), &
-                         plan%behind .and. law%slots%reference == 0)
+                         lane_sums(1, sum_internal), lane_sums(1, sum_viscous), plan%behind)
     else if (plan%stress) then
       speed2 = 0.0_dp
       call stress_flux(law, state(1, 1), speed2, live, state(1, law%slots%stress), flux)
     end if
   end subroutine update_stress
-
-  !> What particles of wave speed 1 answer to the velocity they read: the stress m C : L, with the
-  !! body's ratio of shear to wave modulus, or the momentum m v.
-  pure subroutine probe(law, stress, task, live, mass, got, values)
-    type(constitutive_t), intent(in) :: law
-    logical, intent(in) :: stress                !! or the momentum
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: live(lanes), mass(lanes), got(lanes, most_gathered)
-    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    integer :: d
-    if (stress) then
-      call stress_probe(law, live*mass, got(1, task%gradient), values(1, task%flux + 1))
-    else
-      do d = 1, NDIM
-        values(:, d) = mass*got(:, d)
-      end do
-    end if
-  end subroutine probe
-
-  !> Pads are given nothing, so they stay as they are.
-  pure subroutine hold_pads(n, live, got)
-    integer, intent(in) :: n
-    real(dp), intent(in) :: live(lanes)
-    real(dp), intent(inout) :: got(lanes, n)
-    integer :: l, q
-    do q = 1, n
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        got(l, q) = live(l)*got(l, q)
-      end do
-    end do
-  end subroutine hold_pads
 
   !> Positions in the bin.
   pure subroutine locate(motion, origin, xi)
@@ -827,29 +712,6 @@ contains
       end do
     end do
   end subroutine locate
-
-  !> Positions in the bin become positions in its cells. One that the subtraction has rounded up to
-  !! the bin's end is at the end of its last cell.
-  pure subroutine enter_cells(span, xi, cell)
-    integer, intent(in) :: span                  !! cells of the bin
-    real(dp), intent(inout) :: xi(lanes, NDIM)
-    integer, intent(out) :: cell(lanes)
-#if NDIM < 3
-    real(dp) :: whole(lanes), last
-    integer :: l
-    last = real(span - 1, dp)
-    !$omp simd simdlen(8)
-    do l = 1, lanes
-      whole(l) = min(aint(xi(l, 1)), last)
-      xi(l, 1) = xi(l, 1) - whole(l)
-    end do
-    do l = 1, lanes
-      cell(l) = int(whole(l))
-    end do
-#else
-    cell = span - 1
-#endif
-  end subroutine enter_cells
 
   !> GIMP sizes of a chunk: constant, or stretched with the particle (cpGIMP).
   pure subroutine particle_size(body, nb, state, size_of)
@@ -882,107 +744,6 @@ contains
                       axes(1, 1, 1, 2))
   end subroutine particle_axes
 
-  !> Vectors and velocity gradient at the particles, from the records of the grid.
-  pure subroutine gather(task, gradient, live, xi, cell, axes, row, records, got)
-    type(task_t), intent(in) :: task
-    logical, intent(in) :: gradient              !! of the velocity, too
-    real(dp), intent(in) :: live(lanes)
-    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: cell(lanes), row(most_rows)
-    real(dp), intent(in) :: records(task%stride, *)
-    real(dp), intent(out) :: got(lanes, most_gathered)
-    real(dp) :: w(lanes, NCORNER)
-    if (task%vectors == 0 .and. .not. gradient) then
-      got = 0.0_dp
-      return
-    end if
-    if (task%wide) then
-      call product_gather(task%vectors, axes, task%stride, records, row, got)
-      if (gradient) call product_gather_gradient(axes, axes(1, 1, 1, 2), task%stride, &
-                                              records(task%gradient, 1), row, got(1, task%gradient))
-      return
-    end if
-    call linear_weights(xi, w)
-#if NDIM == 2
-    if (task%by_cell) then
-      call linear_gather_cells(w, cell, live, records, row, got)
-      return
-    end if
-#endif
-    if (task%centred) then
-      call linear_gather(task%read, w, cell, task%stride, records, row, got)
-      return
-    end if
-    call linear_gather(task%vectors, w, cell, task%stride, records, row, got)
-    if (gradient) call linear_gather_gradient(xi, cell, task%inverse_h, task%stride, &
-                                              records(task%gradient, 1), row, got(1, task%gradient))
-  end subroutine gather
-
-#ifdef AXISYMMETRIC
-  !> Radii of the rings of a chunk (smallest cell).
-  pure function radii(mesh, motion) result(radius)
-    type(mesh_t), intent(in) :: mesh
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
-    real(dp) :: radius(lanes)
-    real(dp), dimension(lanes) :: spacing, lower, place
-    radius = motion(:, 1)
-    if (.not. mesh%axes(1)%graded) return
-    call graded_between(mesh%axes(1), lanes, motion, spacing, lower, place)
-    radius = place + (radius - lower)*spacing
-  end function radii
-
-  !> Hoop strain rate of a chunk where particles read the nodes (MPM, GIMP): v_r/r.
-  pure subroutine gather_hoop(task, xi, cell, axes, row, records, motion, rate)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: cell(lanes), row(most_rows)
-    real(dp), intent(in) :: records(task%stride, *), motion(lanes, motion_total(NDIM))
-    real(dp), intent(out) :: rate(lanes)
-    call gather_one(task, xi, cell, axes, row, records(task%gradient, 1), rate)
-    rate = task%inverse_h*rate/max(motion(:, 1), least_radius)
-  end subroutine gather_hoop
-
-  !> Turns the hoop stress times volume into the radial force that its particles exert.
-  pure subroutine hoop_force(task, motion, values)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM))
-    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    associate (hoop => values(:, task%flux + NFLUX))
-      hoop = -task%inverse_h*hoop/max(motion(:, 1), least_radius)
-    end associate
-  end subroutine hoop_force
-#endif
-
-  !> v += a dt (Eq. 29), blended with PIC where asked for; sums for the energy ledger.
-  pure subroutine kick(dt, live, acceleration, flip, grid_velocity, motion, lane_sums)
-    real(dp), intent(in) :: dt, live(lanes), acceleration(lanes, NDIM)
-    real(dp), intent(in) :: flip  !! weight of FLIP; below 1 the grid velocity is read
-    real(dp), intent(in) :: grid_velocity(lanes, NDIM)
-    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
-    real(dp) :: mass, aa, vv
-    integer :: l, d
-    if (flip < 1.0_dp) then
-      do d = 1, NDIM
-        motion(:, before_v + d) = flip*motion(:, before_v + d) + &
-                         (1.0_dp - flip)*(grid_velocity(:, d) - dt*acceleration(:, d))
-      end do
-    end if
-    !$omp simd simdlen(8) private(mass, aa, vv, d)
-    do l = 1, lanes
-      mass = live(l)*motion(l, mass_at)
-      aa = 0.0_dp
-      vv = 0.0_dp
-      do d = 1, NDIM
-        motion(l, before_v + d) = motion(l, before_v + d) + dt*acceleration(l, d)
-        aa = aa + acceleration(l, d)*acceleration(l, d)
-        vv = vv + motion(l, before_v + d)*motion(l, before_v + d)
-        lane_sums(l, sum_momentum + d - 1) = lane_sums(l, sum_momentum + d - 1) + &
-            mass*motion(l, before_v + d)
-      end do
-      lane_sums(l, sum_mass_aa) = lane_sums(l, sum_mass_aa) + mass*aa
-      lane_sums(l, sum_kinetic) = lane_sums(l, sum_kinetic) + 0.5_dp*mass*vv
-    end do
-  end subroutine kick
 
 #ifdef AXISYMMETRIC
   !> Kick of the velocity around the axis; what is driven turns with its part.
@@ -1043,146 +804,6 @@ contains
     end do
     outside = left > 0.0_dp
   end subroutine drift
-
-  !> Largest c + |v| for the time step (Eq. 69; c at least (CL1)), and whether the state of all
-  !! particles makes sense: not inside out, slower than anything, and with a sound speed (c^2 turns
-  !! negative where a blown-up state leaves the range of an equation of state).
-  pure subroutine check_chunk(nl, id, live, motion, speed2, jacobian, work)
-    integer, intent(in) :: nl
-    integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
-    real(dp), intent(in) :: speed2(lanes), jacobian(lanes)
-    type(workspace_t), intent(inout) :: work
-    real(dp) :: speed(lanes), magnitude, worst
-    logical :: fine
-    integer :: l, d
-    worst = 0.0_dp
-    !$omp simd simdlen(8) private(magnitude, fine, d) reduction(max:worst)
-    do l = 1, lanes
-#if NDIM == 1
-      magnitude = abs(motion(l, before_v + 1))  ! the root of its square, to the bit
-#else
-      magnitude = 0.0_dp
-      do d = 1, NDIM
-        magnitude = magnitude + motion(l, before_v + d)*motion(l, before_v + d)
-      end do
-      magnitude = sqrt(magnitude)
-#endif
-      speed(l) = live(l)*(sqrt(max(speed2(l), 0.0_dp)) + magnitude)
-      fine = jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp
-      worst = max(worst, merge(speed(l), beyond, fine))
-    end do
-    if (worst <= work%fastest) return
-    if (worst < beyond) then
-      do l = 1, lanes - 1
-        if (speed(l) >= worst) exit
-      end do
-      work%fastest = worst
-      work%fastest_id = id(l)
-    else
-      call note_worst(nl, id, speed, speed2, jacobian, work)
-    end if
-  end subroutine check_chunk
-
-  !> Notes the fastest particle of a chunk if none before was as fast, and the first whose state
-  !! makes no sense.
-  pure subroutine note_worst(nl, id, speed, speed2, jacobian, work)
-    integer, intent(in) :: nl
-    integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: speed(lanes), speed2(lanes), jacobian(lanes)
-    type(workspace_t), intent(inout) :: work
-    integer :: l
-    l = maxloc(speed, 1)
-    if (speed(l) > work%fastest) then
-      work%fastest = speed(l)
-      work%fastest_id = id(l)
-    end if
-    do l = 1, nl
-      if (jacobian(l) > 0.0_dp .and. speed(l) < beyond .and. speed2(l) >= 0.0_dp) cycle
-      call note_fault(id(l), merge(fault_silent, fault_inside_out, &
-                                   jacobian(l) > 0.0_dp .and. speed2(l) < 0.0_dp), work)
-      return
-    end do
-  end subroutine note_worst
-
-  !> Notes what must not go on where particles see the grid from their first places.
-  pure subroutine check_first(mesh, nl, id, motion, f, speed2, work)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: nl
-    integer(i4), intent(in) :: id(lanes)
-    real(dp), intent(in) :: motion(lanes, motion_total(NDIM)), f(lanes, NDIM, NDIM)
-    real(dp), intent(inout) :: speed2(lanes)     !! becomes what limits the step
-    type(workspace_t), intent(inout) :: work
-    integer :: fault, lane
-    call reference_check(mesh, nl, motion, f, speed2, fault, lane)
-    if (fault /= fault_none) call note_fault(id(lane), fault, work)
-  end subroutine check_first
-
-  !> Notes the first particle whose state makes no sense.
-  pure subroutine note_fault(id, fault, work)
-    integer(i4), intent(in) :: id
-    integer, intent(in) :: fault                 !! one of fault_*
-    type(workspace_t), intent(inout) :: work
-    if (work%bad_id /= 0) return
-    work%bad_id = id
-    work%fault = fault
-  end subroutine note_fault
-
-  !> Mass (about an axis, its moment, too) and momentum, the first columns that go to the grid.
-  pure subroutine collect(mesh, with_mass, with_momentum, masses, live, motion, values)
-    type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: with_mass, with_momentum
-    integer, intent(in) :: masses                !! columns of mass
-    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM))
-    real(dp), intent(inout) :: values(lanes, *)
-    real(dp) :: mass
-#ifdef AXISYMMETRIC
-    real(dp) :: radius(lanes)
-#endif
-    integer :: n, d, l
-    n = 0
-    if (with_mass) then
-      n = masses
-#ifdef AXISYMMETRIC
-      radius = radii(mesh, motion)
-#endif
-      !$omp simd simdlen(8)
-      do l = 1, lanes
-        values(l, 1) = live(l)*motion(l, mass_at)
-#ifdef AXISYMMETRIC
-        values(l, NMASS) = values(l, 1)*radius(l)
-#endif
-      end do
-    end if
-    if (.not. with_momentum) return
-    !$omp simd simdlen(8) private(mass, d)
-    do l = 1, lanes
-      mass = live(l)*motion(l, mass_at)
-      do d = 1, NDIM
-        values(l, n + d) = mass*motion(l, before_v + d)
-      end do
-    end do
-  end subroutine collect
-
-  !> The columns behind: forces at nodes (MPM, GIMP), which stay open, forces from outside,
-  !! volume.
-  subroutine collect_rest(mesh, body, plan, task, live, nb, motion, state, values)
-    type(mesh_t), intent(in) :: mesh
-    type(body_t), intent(in) :: body
-    type(plan_t), intent(in) :: plan
-    type(task_t), intent(in) :: task
-    integer, intent(in) :: nb
-    real(dp), intent(in) :: live(lanes), motion(lanes, motion_total(NDIM)), state(lanes, nb)
-    real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
-    if (.not. task%centred) values(:, task%forces + 1:task%forces + NDIM) = 0.0_dp
-    if (task%volume > 0) values(:, task%volume) = live*state(:, 1)
-    if (task%outside(1) == 0) return
-    values(:, task%outside(1):task%outside(2)) = 0.0_dp
-    if (task%push > 0) call one_sided_push(mesh, body%walls, live, motion, state, &
-                                           values(1, task%push), values(1, task%flux + 1))
-    if (body%forced) call loads_on_mass(mesh, body, plan%time, live*motion(:, mass_at), nb, &
-                                        motion, state, values(1, task%outside(1)))
-  end subroutine collect_rest
 
   !> How fast faces at walls move by the levers of these (OS4).
   pure subroutine gather_walls(mesh, walls, task, xi, cell, row, records, motion, nb, state, jumps)
@@ -1274,9 +895,6 @@ contains
       call loads_on_faces(mesh, body, body%loads(i), plan%time, &
                           merge(1.0_dp, 0.0_dp, id /= 0), nb, motion, state, force, way, some)
       if (.not. some) cycle
-      if (body%law%slots%reference > 0) then
-        way = reference_way(state(1, body%law%slots%reference + NDIM), way)
-      end if
       if (task%wide) then
         call product_spread(axes_moved(axes, task%h*way), axes(1, 1, 1, 2), .false., spread)
         call product_scatter(NDIM, spread, force, stencil(1, plan%faces + 1, 1))
@@ -1504,11 +1122,9 @@ contains
   end subroutine split_particles
 
   !> Adds a chunk to the accumulators of its stencils.
-  pure subroutine scatter(task, stress, open, xi, cell, axes, values, stencil)
+  pure subroutine scatter(task, stress, xi, cell, axes, values, stencil)
     type(task_t), intent(in) :: task
     logical, intent(in) :: stress
-    logical, intent(in) :: open                  !! forces of stresses come later, where they act at
-                                                 !! nodes
     real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
     integer, intent(in) :: cell(lanes)
     real(dp), intent(inout) :: values(lanes, most_columns + NFLUX)
@@ -1532,7 +1148,6 @@ contains
       if (rest < task%plain) call linear_scatter(task%plain - rest, xi, cell, &
                                                  values(1, rest + 1), task%nq, &
                                                  stencil(1, rest + 1, 1))
-      if (open) return
       if (stress) call linear_scatter_force(xi, cell, task%inverse_h, flux_of, &
                                             values(1, task%flux + 1), task%nq, &
                                             stencil(1, plain + 1, 1))
@@ -1541,11 +1156,10 @@ contains
                                       stencil(1, plain + 1, 1))
 #endif
     else
-      call product_spread(axes, axes(1, 1, 1, 2), stress .and. .not. open, spread)
+      call product_spread(axes, axes(1, 1, 1, 2), stress, spread)
       if (plain > 0) call product_scatter(plain, spread, values, stencil)
       if (rest < task%plain) call product_scatter(task%plain - rest, spread, &
                                                   values(1, rest + 1), stencil(1, rest + 1, 1))
-      if (open) return
       if (stress) call product_scatter_force(spread, flux_of, values(1, task%flux + 1), &
                                              stencil(1, plain + 1, 1))
 #ifdef AXISYMMETRIC
@@ -1554,33 +1168,5 @@ contains
 #endif
     end if
   end subroutine scatter
-
-  !> Adds the forces of stresses to the nodes of the first places, whose columns nothing has filled
-  !! (sgmp_reference).
-  pure subroutine scatter_nominal(task, xi, cell, axes, f, values, stencil)
-    type(task_t), intent(in) :: task
-    real(dp), intent(in) :: xi(lanes, NDIM), axes(lanes, 3, NDIM, 2)
-    integer, intent(in) :: cell(lanes)
-    real(dp), intent(in) :: f(lanes, NDIM, NDIM)  !! deformation gradient
-    real(dp), intent(in) :: values(lanes, most_columns + NFLUX)
-    real(dp), intent(inout) :: stencil(task%points, task%nq, *)
-    real(dp) :: nominal(lanes, NDIM, NDIM)
-    type(product_spread_t) :: spread
-    call reference_nominal(f, flux_of, values(1, task%flux + 1), nominal)
-    if (task%wide) then
-      call product_spread(axes, axes(1, 1, 1, 2), .true., spread)
-      call product_scatter_force(spread, nominal_of, nominal, stencil(1, task%forces + 1, 1))
-#ifdef AXISYMMETRIC
-      call product_scatter(1, spread, values(1, task%flux + NFLUX), stencil(1, task%forces + 1, 1))
-#endif
-    else
-      call linear_scatter_force(xi, cell, task%inverse_h, nominal_of, nominal, task%nq, &
-                                stencil(1, task%forces + 1, 1))
-#ifdef AXISYMMETRIC
-      call linear_scatter(1, xi, cell, values(1, task%flux + NFLUX), task%nq, &
-                          stencil(1, task%forces + 1, 1))
-#endif
-    end if
-  end subroutine scatter_nominal
 
 end module DIM(sgmp_chunk)

@@ -27,6 +27,7 @@ module DIM(sgmp_sweep)
   use sgmp_movers, only: movers_reset, movers_t
   use sgmp_particles, only: chunk_prefetch, first_cell, particles_t
   use sgmp_plan, only: plan_t, workspace_t
+  use DIM(sgmp_reference_chunk), only: reference_chunk
   use sgmp_rows, only: key_j, key_k
   use CARTESIAN(sgmp_scatter), only: accumulators, linear_carry
   use DIM(sgmp_settling), only: settling_part
@@ -400,11 +401,19 @@ contains
           call chunk_prefetch(body%particles, next, plan%stress)
         end if
       end if
-      call chunk_advance(mesh, body, plan, task, s, origin, extent, min(left, lanes), row, &
-                         work%records(1 + i*task%span*task%stride), body%particles%state_columns, &
-                         body%particles%id(1, chunk), &
-                         body%particles%motion(1, 1, chunk), body%particles%state(1, 1, chunk), &
-                         stencil, lane_sums, movers, work)
+      if (body%particles%reference > 0) then
+        call reference_chunk(mesh, body, plan, task, origin, min(left, lanes), row, &
+                             work%records(1 + i*task%span*task%stride), &
+                             body%particles%state_columns, body%particles%id(1, chunk), &
+                             body%particles%motion(1, 1, chunk), &
+                             body%particles%state(1, 1, chunk), stencil, lane_sums, work)
+      else
+        call chunk_advance(mesh, body, plan, task, s, origin, extent, min(left, lanes), row, &
+                           work%records(1 + i*task%span*task%stride), &
+                           body%particles%state_columns, body%particles%id(1, chunk), &
+                           body%particles%motion(1, 1, chunk), body%particles%state(1, 1, chunk), &
+                           stencil, lane_sums, movers, work)
+      end if
       left = left - lanes
       chunk = body%particles%next(chunk)
     end do

@@ -152,9 +152,12 @@ def thrown():
     def taylor(t):
         return 2*peak*theta/(mass*(1 - z))*(math.exp(-z*t/theta) - math.exp(-t/theta))
 
-    for name, deck in (("thrown", THROWN), ("thrown_heavy", HEAVY), ("thrown_plane", THROWN.replace("dimension 1", "dimension 2").replace(
-            "grid cell=h", "grid cell=h y=0:4\nwall y-=slip y+=slip").replace("lower=0 upper=300", (
-                "lower=(0,0) upper=(300,4)")).replace("lower=300 upper=305", "lower=(300,0) upper=(305,4)"))):
+    plane = THROWN
+    for old, new in (("dimension 1", "dimension 2"), ("grid cell=h", "grid cell=h y=0:4\nwall y-=slip y+=slip"),
+                     ("lower=0 upper=300", "lower=(0,0) upper=(300,4)"),
+                     ("lower=300 upper=305", "lower=(300,0) upper=(305,4)")):
+        plane = plane.replace(old, new)
+    for name, deck in (("thrown", THROWN), ("thrown_heavy", HEAVY), ("thrown_plane", plane)):
         found = table(run(name, deck)[0]/"bodies.csv")
         times, speeds = ([float(text) for text, body in zip(found[key], found["name"]) if body == "plate"]
                          for key in ("time", "velocity_x"))

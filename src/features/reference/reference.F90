@@ -24,16 +24,18 @@
 module DIM(sgmp_reference)
   use sgmp_kinds, only: dp, lanes
   use sgmp_mesh, only: mesh_t, wall_free
-  use sgmp_motion, only: motion_total
+  use sgmp_motion, only: motion_mass, motion_total
   use sgmp_particle_faults, only: fault_none, fault_squeezed, fault_through_wall
+  use sgmp_sums, only: sum_moment, sweep_sums
   implicit none
   private
-  public :: reference_check, reference_locate, reference_nominal, &
+  public :: reference_check, reference_drift, reference_locate, reference_nominal, &
             reference_rates, reference_strain, reference_way, reference_way_now
   public :: nominal_of
 
   !> Component of the flux that (RF2) wants, (b, a): force along a by the derivative along b.
   integer, parameter :: nominal_of(NDIM, NDIM) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 9], [NDIM, NDIM])
+  integer, parameter :: mass_at = motion_mass(NDIM)
   real(dp), parameter :: least_stretch = 0.2_dp  !! of a particle whose first place still says where
                                                  !! its neighbours are
 
@@ -50,6 +52,19 @@ contains
       xi(nl + 1:, d) = xi(nl, d)
     end do
   end subroutine reference_locate
+
+  !> x += v dt in cells; the places by which particles see the grid stay.
+  pure subroutine reference_drift(dt, live, velocity, motion, lane_sums)
+    real(dp), intent(in) :: dt                   !! position step over the cell
+    real(dp), intent(in) :: live(lanes), velocity(lanes, NDIM)
+    real(dp), intent(inout) :: motion(lanes, motion_total(NDIM)), lane_sums(lanes, sweep_sums)
+    integer :: d
+    do d = 1, NDIM
+      motion(:, d) = motion(:, d) + dt*velocity(:, d)
+      lane_sums(:, sum_moment + d - 1) = lane_sums(:, sum_moment + d - 1) + &
+                                         live*motion(:, mass_at)*motion(:, d)
+    end do
+  end subroutine reference_drift
 
   !> Turns dF/dt, which the grid gives, into the velocity gradient (RF1).
   pure subroutine reference_rates(f, gradient, rates)
