@@ -211,6 +211,7 @@ contains
     if (deck%on(word_position('musl', mpm3d_keywords))) update = 'musl'
     call native%section('numerics')
     call native%from(method_place(deck))
+    if (in_first_shape(deck)) method = method//' frame=reference'
     call native%add('method '//method//' update='//update)
     call native%from(mpm3d_place(deck, 'endt'))
     if (mpm3d_given(deck, 'qulo')) then
@@ -228,13 +229,31 @@ contains
     if (mpm3d_given(deck, 'gimp')) call notes%add( &
       note_approximated, mpm3d_place(deck, 'gimp'), 'gimp', &
       'method gimp: a particle is as wide as its own volume; in MPM3D always half a cell')
-    if (mpm3d_given(deck, 'tlmp')) call notes%add( &
-      note_approximated, mpm3d_place(deck, 'tlmp'), 'TLmp', &
-      'runs updated-Lagrangian: particles cross cells, and bodies can separate numerically; '// &
-      'faces and walls that nothing touches at the start give way, as there')
+    if (in_first_shape(deck)) then
+      call notes%add(note_honoured, mpm3d_place(deck, 'tlmp'), 'TLmp', 'frame=reference')
+    else if (mpm3d_given(deck, 'tlmp')) then
+      call notes%add( &
+        note_approximated, mpm3d_place(deck, 'tlmp'), 'TLmp', &
+        'runs updated-Lagrangian: particles cross cells, and bodies can separate numerically; '// &
+        'faces and walls that nothing touches at the start give way, as there')
+    end if
     if (mpm3d_given(deck, 'uvfp')) call notes%add( &
       note_honoured, mpm3d_place(deck, 'uvfp'), 'UVFp', 'volumes follow the deformation anyway')
   end subroutine write_method
+
+  !> Whether total Lagrangian motion is what frame=reference computes: solids without an equation
+  !! of state, which no card lets fail, and no contact.
+  pure logical function in_first_shape(deck) result(yes)
+    type(mpm3d_deck_t), intent(in) :: deck
+    character(4), parameter :: solids(*) = ['elas', 'pla1', 'pla2', 'neoh']
+    integer :: m
+    yes = mpm3d_given(deck, 'tlmp') .and. .not. (mpm3d_given(deck, 'cont') .or. &
+                                                 mpm3d_given(deck, 'bimp') .or. &
+                                                 mpm3d_given(deck, 'sgmp'))
+    do m = 1, size(deck%materials)
+      yes = yes .and. any(deck%materials(m)%kind == solids) .and. deck%materials(m)%eos == 0
+    end do
+  end function in_first_shape
 
   !> Where the method is said.
   pure function method_place(deck) result(place)
