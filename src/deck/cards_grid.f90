@@ -82,8 +82,9 @@ contains
                       'symmetry', &
                       choices='auto none', default='auto', source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
-                      'bear what goes on pushing there, by springs beside the dashpots; '// &
-                      'default: no springs', unit='length', source='doc/loads.md')
+                      'bear what goes on pushing there, by springs beside the dashpots, '// &
+                      'and let slow flow of fluids go; default: dashpots alone', &
+                      unit='length', source='doc/loads.md')
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &
                        'without a wall.', 'lost remove', read_lost, once=.true.)

@@ -24,7 +24,8 @@ contains
     type(registry_t), intent(inout) :: registry
     integer :: c
     call registry%card('initial_stress', 'Stress of a body at the start: that of ground at '// &
-                       'rest under gravity (surface, pressure, k0), or any (xx … xz).', &
+                       'rest under gravity (surface, pressure, k0), a pressure, or any '// &
+                       '(xx … xz).', &
                        'initial_stress soil surface=10 k0=0.5', read_stress, check_stress)
     call registry%key('body', kind_name_word, 'the body; default: all that are not rigid '// &
                       'and have no card of their own', &
@@ -33,6 +34,7 @@ contains
                       'from the origin, a function of the place; the stress is the weight '// &
                       'between it and the particle', unit='length', source='doc/loads.md')
     call registry%key('pressure', kind_real, 'on the surface, e.g. by what lies above; '// &
+                      'without gravity and surface the same everywhere; '// &
                       'default: 0, of a fluid that of its equation of state', unit='stress')
     call registry%key('k0', kind_real, 'stress across gravity over that along it; default: '// &
                       'poisson/(1 - poisson)', range='[0,inf)')
@@ -47,7 +49,7 @@ contains
     type(deck_card_t), intent(in) :: card
     type(draft_t), intent(inout) :: draft
     integer :: named, b, c
-    logical :: parts, weight
+    logical :: parts, weight, even
     named = draft%body_of(card, 'body')
     if (named < 0) return
     parts = any([(card%has(voigt_names(c)), c=1, size(voigt_names))])
@@ -59,7 +61,8 @@ contains
         'give surface, or components such as xx, yy and zz')
       return
     end if
-    if (weight .and. .not. card%has('surface')) then
+    even = card%has('pressure') .and. .not. card%has('k0')  ! the same everywhere, without gravity
+    if (weight .and. .not. (card%has('surface') .or. even)) then
       call draft%errors%add(card%position, 'the ground has no surface', 'add surface=…')
       return
     end if
@@ -140,7 +143,11 @@ contains
     integer :: named, b
     if (card%has('surface') .and. norm2(draft%scene%gravity) <= 0.0_dp) then
       call draft%errors%add(card%place('surface'), 'nothing weighs: there is no gravity', &
-                            'add gravity, or give components of the stress')
+                            'add gravity, or give pressure alone, or components of the stress')
+    end if
+    if (card%has('pressure') .and. .not. card%has('surface') .and. &
+        norm2(draft%scene%gravity) > 0.0_dp) then
+      call draft%errors%add(card%position, 'the ground has no surface', 'add surface=…')
     end if
     named = 0
     if (card%word('body') /= 'all') then
@@ -172,9 +179,10 @@ contains
                               'use '//laws_that_bear_stress()//' without eos and softening, '// &
                               'or a fluid without viscosity and pores')
       else if (law_is_spherical(law(body%material)%law)) then
-        if (.not. card%has('surface')) then
+        if (.not. (card%has('surface') .or. card%has('pressure'))) then
           call draft%errors%add(card%position, name//' is a fluid: its stress is a pressure', &
-                                'give surface, and pressure if it is not that of the equation')
+                                'give surface, and pressure if it is not that of the '// &
+                                'equation; without gravity, pressure alone')
         else if (card%has('k0') .and. abs(card%number('k0') - 1.0_dp) > 0.0_dp) then
           call draft%errors%add(card%place('k0'), name//' is a fluid: its pressure is the same '// &
                                 'all around', 'remove k0')

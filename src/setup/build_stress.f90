@@ -115,11 +115,13 @@ contains
     x(:n) = mesh_places(mesh, coordinates)
   end function place
 
-  !> Depth below the surface.
+  !> Depth below the surface, where there is one.
   function depth(card, gravity, x) result(length)
     type(body_card_t), intent(in) :: card
     real(dp), intent(in) :: gravity(3), x(3)
     real(dp) :: length
+    length = 0.0_dp  ! the pressure is the same everywhere
+    if (.not. card%stress%geostatic) return
     length = card%stress%surface%evaluate(x, x, 0.0_dp) + dot_product(gravity, x)/norm2(gravity)
   end function depth
 
@@ -134,6 +136,7 @@ contains
     if (.not. card%stress%geostatic) then
       do c = 1, most
         stress(c) = card%stress%value(c)%evaluate(x, x, 0.0_dp)
+        if (c <= 3) stress(c) = stress(c) - card%stress%pressure
       end do
       return
     end if

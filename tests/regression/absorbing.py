@@ -9,6 +9,25 @@ import numpy as np
 
 from _runs import Report, run
 
+# A bubble of air in water without end, a tenth above its pressure: Minnaert's period is 3.07 ms.
+BUBBLE = """
+units m kg s
+parameter radius=0.01 h=2e-3
+dimension axisymmetric
+grid cell=h r=0:0.08 z=-0.08:0.08
+wall r+=absorbing z-=absorbing z+=absorbing centre=(0,0)
+time end=2.6e-3
+material water fluid density=1000
+eos water tait c0=1480 exponent=7.15
+material air fluid density=1.2
+eos air ideal_gas gamma=1.4 energy0=2.75e5
+body water block material=water lower=(0,-0.08) upper=(0.08,0.08)
+subtract water sphere centre=(0,0) radius=radius
+body air sphere material=air centre=(0,0) radius=radius
+initial_stress water pressure=1e5
+history every=2e-5
+gauge middle point=(0,0) radius=0.005
+"""
 # A pulse along a bar: it has left at the end of the run, and what comes back would be at x = 45.
 BAR = """
 parameter method = sgmp
@@ -347,6 +366,22 @@ def springs(report):
         report.check(error[""] > 0.3, f"{name}: displacement at 20 without springs off by {error['']:.3f}")
 
 
+def bubble(report):
+    """A bubble swings about the pressure around it with the mass of the water: between the two times at which it has
+    that pressure lies half of the period 2 pi R (rho/(3 gamma p))^(1/2). Dashpots alone hold the water, and it is
+    told."""
+    result = run("bubble", BUBBLE)
+    if report.finished(result, "bubble"):
+        rows = [(row["time"], row["pressure"] - 1e5) for row in result.table("gauges.csv")]
+        meets = [t0 + (t1 - t0)*p0/(p0 - p1) for (t0, p0), (t1, p1) in zip(rows, rows[1:]) if p0*p1 < 0]
+        exact = 2*pi*0.01*sqrt(1000/(3*1.4*1e5))
+        report.check(len(meets) == 2 and abs(2*(meets[1] - meets[0])/exact - 1) < 0.06, f"bubble: {meets}, {exact}")
+        report.check(result["verdict"] != "doubtful", f"bubble: {result['verdict_reasons']}")
+    result = run("bubble_held", BUBBLE.replace(" centre=(0,0)", "", 1).replace("h=2e-3", "h=2.5e-3"))
+    report.check(result["verdict"] == "doubtful" and "absorbing edges hold slow flow" in " ".join(
+        result["verdict_reasons"]), f"bubble held: {result['verdict_reasons']}")
+
+
 def main():
     """All of them."""
     report = Report()
@@ -356,6 +391,7 @@ def main():
     unequal(report)
     springs(report)
     oblique(report)
+    bubble(report)
     report.end()
 
 

@@ -124,6 +124,18 @@ CORNERS = {
     "axisymmetric": "lower=(0,0) upper=(1,1)",
     "3": "lower=(0,0,0) upper=(1,1,1)",
 }
+# A round body under the same pressure inside and outside.
+EVEN = """
+units m kg s
+dimension 2
+grid cell=1.25e-3
+time end=5e-4
+material m LAW
+body drop sphere material=m centre=(0,0) radius=0.02
+initial_stress drop pressure=1e5
+pressure drop p=1e5
+output csv at=end fields=pressure
+"""
 
 
 def ground(space):
@@ -383,6 +395,21 @@ def components(report):
     report.check("or a limit of the card failure" in result.text and "phi" not in result.text, f"limit: {result.text}")
 
 
+def even(report):
+    """Under the same pressure from all sides a drop, and a solid, rest under it; under gravity that is no rest."""
+    for name, law in (("drop", "fluid density=1000\neos m tait c0=1480 exponent=7.15"),
+                      ("lump", "elastic density=1000 young=1e9 poisson=0.3")):
+        text = EVEN.replace("LAW", law)
+        result = run(name, text)
+        if not report.finished(result, name):
+            continue
+        off = max(abs(row["pressure"]/1e5 - 1) for row in result.table("particles_end.csv"))
+        report.check(off < 1e-6, f"{name}: pressure {off} off")
+        report.check(result["energy.kinetic"] < 1e-9*abs(result["energy.initial_total"]), f"{name} moves")
+    result = run("heavy", EVEN.replace("LAW", law) + "gravity (0,-9.81)\n")
+    report.check(result.code == 3 and "the ground has no surface" in result.text, f"heavy: {result.text}")
+
+
 def bits(report):
     """The same for threads, ranks and restarts."""
     text = LAYERS + "checkpoint every=25 keep=9\n"
@@ -402,5 +429,6 @@ if __name__ == "__main__":
     turned(REPORT)
     fluids(REPORT)
     components(REPORT)
+    even(REPORT)
     bits(REPORT)
     REPORT.end()

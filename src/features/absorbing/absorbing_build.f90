@@ -10,7 +10,8 @@
 !! With a source at the distance r, t_0 follows the displacement u: t_0 - (k_n u_n - q) n/r -
 !! k_t u_t/r. Of a wave with the potential f(t - r/c)/r, u = -f/r^2 - f'/(c r), the stress is
 !! -rho c v - 4 G u/r + q/r with q = rho c^2 (u + f/r^2), so that q' = rho c^2 v - c q/r: this is
-!! exact for spherical waves. In the plane, where u goes with 1/sqrt(r) at first and with 1/r at
+!! exact for spherical waves, and a fluid that moves slowly feels the inertia of what lies beyond:
+!! t - t_0 = -rho r v'. In the plane, where u goes with 1/sqrt(r) at first and with 1/r at
 !! last, k_n = 2 G and half of q.
 module sgmp_absorbing_build
   use sgmp_body, only: body_t

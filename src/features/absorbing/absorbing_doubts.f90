@@ -1,6 +1,7 @@
 !> What is doubtful about edges that let waves out (doc/loads.md) after a run.
 module sgmp_absorbing_doubts
   use sgmp_body, only: body_t
+  use sgmp_constitutive, only: law_is_spherical
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_absorbing
   use sgmp_mesh, only: mesh_t
@@ -8,12 +9,15 @@ module sgmp_absorbing_doubts
   use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max
   use sgmp_space, only: axis_names
-  use sgmp_text, only: real_text
+  use sgmp_text, only: integer_text, real_text
   implicit none
   private
   public :: absorbing_objections
 
   real(dp), parameter :: largest_way = 1.0_dp  !! cells by which matter at an edge may have moved
+  real(dp), parameter :: long = 20.0_dp        !! times of sound across the grid: what then still
+                                               !! moves in a fluid is slow
+  real(dp), parameter :: still = 1.0e-3_dp     !! part of the largest kinetic energy
 
 contains
 
@@ -40,7 +44,45 @@ contains
                             'the edge further away')
       end do
     end do
+    if (holds_slow_flow(model)) then
+      call opinion%object('a fluid still moves after sound has crossed the grid '// &
+                          integer_text(nint(crossings(model)))//' times: absorbing edges hold '// &
+                          'slow flow far more than the fluid beyond them would, a bubble '// &
+                          'hardly breathes (doc/loads.md); write where its source is, '// &
+                          'wall … centre=')
+    end if
   end subroutine absorbing_objections
+
+  !> Whether edges without a source have slow flow of a fluid to let out.
+  pure function holds_slow_flow(model) result(yes)
+    type(model_t), intent(in) :: model
+    logical :: yes
+    yes = crossings(model) > long .and. &
+          model%ledger%kinetic > still*model%ledger%largest_kinetic
+  end function holds_slow_flow
+
+  !> How often sound in a fluid that ends at edges without a source has crossed the grid; 0: there
+  !! is no such fluid.
+  pure function crossings(model) result(times)
+    type(model_t), intent(in) :: model
+    real(dp) :: times
+    real(dp) :: across, speed
+    integer :: b, i
+    times = 0.0_dp
+    do b = 1, size(model%bodies)
+      associate (body => model%bodies(b))
+        if (.not. body%absorbs .or. .not. law_is_spherical(body%law)) cycle
+        do i = 1, size(body%loads)
+          associate (load => body%loads(i))
+            if (load%kind /= load_absorbing .or. load%fading > 0.0_dp) cycle
+            across = model%mesh%h*model%mesh%cells(load%axis)
+            speed = load%impedance(1)/body%law%density
+            if (across > 0.0_dp) times = max(times, model%clock%time*speed/across)
+          end associate
+        end do
+      end associate
+    end do
+  end function crossings
 
   !> How far particles that bear the edges have moved across them (cells).
   pure subroutine look_at(mesh, body, moved)

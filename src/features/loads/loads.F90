@@ -377,7 +377,7 @@ contains
     integer :: i, d
     do i = 1, size(body%loads)
       associate (load => body%loads(i))
-        if (load%springs(1) <= 0.0_dp) cycle
+        if (load%fading <= 0.0_dp) cycle
         distance = 0.0_dp
         do d = 1, NDIM
           distance = distance + (mesh_place(mesh, d, motion(:, d)) - load%source(d))**2

@@ -77,7 +77,7 @@ contains
       case (load_absorbing)
         ! The traction at rest, too.
         call slots_ask(body%law%slots, 'area'//integer_text(i), &
-                       none(:2*ndim + merge(1, 0, body%loads(i)%springs(1) > 0.0_dp)))
+                       none(:2*ndim + merge(1, 0, body%loads(i)%fading > 0.0_dp)))
       case default
         call slots_ask(body%law%slots, 'area'//integer_text(i), none(:ndim))
       end select
