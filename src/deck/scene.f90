@@ -66,6 +66,7 @@ module sgmp_scene
     integer :: wall(2, 3) = wall_free
       !! (lower|upper, axis): wall_free, wall_slip, wall_fixed, wall_absorbing
     logical :: springs = .false.              !! absorbing walls bear what a source pushes for ever
+    logical :: inertia = .false.              !! the same of liquids alone, though no card says so
     real(dp) :: source(3) = 0.0_dp            !! its place (length)
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)

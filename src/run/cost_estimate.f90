@@ -266,6 +266,11 @@ contains
                   'blast)')
     call put_slot(edges, integer_text(edges)//' area vectors of faces, and the traction at '// &
                   'rest (absorbing walls)')
+    i = findloc(body%loads%kind == load_absorbing .and. body%loads%fading > 0.0_dp, .true., 1)
+    if (i > 0) call put('  edges     bear what goes on pushing around ('// &
+                        real_text(body%loads(i)%source(1))//','// &
+                        real_text(body%loads(i)%source(2))//','// &
+                        real_text(body%loads(i)%source(3))//')')
     do i = 1, size(body%loads)
       if (body%loads(i)%kind /= load_blast .or. body%loads(i)%set > 1) cycle
       call put_blast(body%loads(i))

@@ -15,7 +15,7 @@
 !! last, k_n = 2 G and half of q.
 module sgmp_absorbing_build
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: constitutive_t, law_wave_modulus
+  use sgmp_constitutive, only: constitutive_t, law_liquid, law_wave_modulus
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_faces_build, only: face_t, faces_lattice, faces_length, faces_place, faces_shown
   use sgmp_kinds, only: dp, lanes
@@ -53,7 +53,7 @@ contains
         new%side = side
         new%axis = axis
         new%impedance = impedance(law)
-        if (grid%springs) then
+        if (grid%springs .or. (grid%inertia .and. law_liquid(law))) then
           new%springs = law%elastic%shear*spring_factors(mesh)
           new%speed = new%impedance(1)/law%density
           new%fading = merge(0.5_dp, 1.0_dp, mesh%space == 2)*new%impedance(1)*new%speed

@@ -94,6 +94,8 @@ contains
     do i = 1, size(body%loads)
       associate (load => body%loads(i), particles => body%particles)
         if (load%kind /= load_absorbing) cycle
+        ! A fluid that feels what lies beyond its edge moves as that would let it.
+        if (load%fading > 0.0_dp .and. law_is_spherical(body%law)) cycle
         place = mesh%edge(load%side, load%axis) - (load%side - 1.5_dp)*body%spacing*mesh%inverse_h
         do c = 1, particles%chunks
           do l = 1, size(particles%id, 1)
