@@ -29,6 +29,7 @@ module sgmp_judge_balance
   real(dp), parameter :: coarse_turn = 0.02_dp         !! beyond which numbers are inexact
   real(dp), parameter :: least_turn = 0.1_dp           !! that over what the motion could have
   real(dp), parameter :: largest_impulse = 1.0e-4_dp   !! lost, over the largest momentum
+  real(dp), parameter :: round_off = 1.0e-12_dp        !! kinetic over internal energy of what rests
   real(dp), parameter :: largest_unfelt = 10.0_dp      !! work of forces that particles do not feel
   real(dp), parameter :: coarse_unfelt = 3.0_dp        !! beyond which bodies are too soft
   real(dp), parameter :: unfelt_error = 0.15_dp        !! by so much
@@ -199,8 +200,9 @@ contains
     type(opinion_t), intent(inout) :: opinion
     type(model_t), intent(in) :: model
     real(dp) :: momentum
+    ! Of what rests the kinetic energy is round-off.
     momentum = sqrt(2.0_dp*sum(model%totals%bodies%mass, mask=.not. model%bodies%rigid)* &
-                    model%ledger%largest_kinetic)
+                    max(model%ledger%largest_kinetic, round_off*abs(model%ledger%internal)))
     associate (lost => model%ledger%lost_impulse)
       if (.not. lost > largest_impulse*momentum) return
       call opinion%object('forces acted on grid points without mass and moved nothing, an '// &

@@ -18,6 +18,7 @@ module sgmp_verdict
   use sgmp_judge_gases, only: judge_charges, judge_cushions, judge_mines
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_punches, only: judge_punches
+  use sgmp_judge_pushed, only: judge_pushed
   use sgmp_judge_rolling, only: judge_rolling
   use sgmp_judge_shocks, only: judge_shocks
   use sgmp_judge_spall, only: judge_spall
@@ -122,6 +123,7 @@ contains
     call judge_shocks(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
     call judge_waves(self%opinion, scene, model)
+    call judge_pushed(self%opinion, scene)
     call judge_fronts(self%opinion, model)
     call judge_failure(self%opinion, model, self%failure)
     call judge_torn(self%opinion, model)

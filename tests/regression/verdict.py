@@ -218,6 +218,21 @@ gravity (0,-9.81)
 material sand mohr_coulomb density=1500 young=1e6 poisson=0.3 friction=30 dilatancy=dilatancy
 body heap block material=sand lower=(-0.25,0.5) upper=(0.25,1) ppc=2
 """
+# Water under the pressure that it has got itself, along the grid or at an angle.
+PUSHED = """
+parameter angle = 30
+units m kg s
+dimension 2
+grid cell=2.5e-3
+method gimp
+time end=2e-3
+material water fluid density=1000
+eos water tait c0=1480 exponent=7.15
+body water block material=water lower=(-0.02,-0.02) upper=(0.02,0.02) rotation=angle
+initial_stress water pressure=1e5
+pressure water p=1e5
+history steps=5
+"""
 # Liquid under a pressure, whose outer particles lie on faces of cells (shift 0): that of the last pushes a node to
 # which it gives no mass.
 FACES = """
@@ -505,6 +520,7 @@ def criteria(report):
         not any("never had" in reason for reason in result["verdict_reasons"]), f"dilating: {result['verdict_reasons']}"
     )
     faces(report)
+    pushed(report)
     plain = INCLINED.replace("rotation=$rotation", "rotation=$rotation stress=plain surfaces=plain")
     taken = coarse(report, "inclined_sgmp", plain, "forces that no particle feels", 0.15, method="sgmp")
     chosen = sound(report, "inclined_corrected", INCLINED, method="sgmp")
@@ -1452,6 +1468,14 @@ def faces(report):
             and not any("without mass" in reason for reason in result["verdict_reasons"]),
             f"faces {name}: {result['end_state']} {momentum}",
         )
+
+
+def pushed(report):
+    """A block of water under the pressure that it has got itself rests along the grid. Turned, gimp makes waves of 34
+    MPa of it."""
+    doubts(report, "pushed", PUSHED, "is pushed at surfaces that lie at an angle")
+    result = run("pushed_along", PUSHED, angle=90)
+    report.check(result["verdict"] != "doubtful" and result["energy.kinetic"] < 1e-12, f"pushed: {result['energy']}")
 
 
 def loss_of_spin(particles):
