@@ -83,7 +83,8 @@ contains
                       choices='auto none', default='auto', source='doc/loads.md')
     call registry%key('centre', kind_vector, 'where the waves come from: absorbing walls then '// &
                       'bear what goes on pushing there, by springs beside the dashpots, '// &
-                      'and let slow flow of fluids go; default: dashpots alone', &
+                      'and let slow flow of fluids go; default: dashpots alone, but '// &
+                      'for liquids the middle of the only gas or charge', &
                       unit='length', source='doc/loads.md')
     call register_motion(registry)
     call registry%card('lost', 'What happens to a particle that leaves through a closed face '// &

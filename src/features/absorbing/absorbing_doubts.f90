@@ -4,7 +4,7 @@ module sgmp_absorbing_doubts
   use sgmp_constitutive, only: law_is_spherical
   use sgmp_kinds, only: dp
   use sgmp_load, only: load_absorbing
-  use sgmp_mesh, only: mesh_t
+  use sgmp_mesh, only: mesh_find, mesh_t
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
   use sgmp_parallel, only: parallel_max
@@ -17,6 +17,8 @@ module sgmp_absorbing_doubts
   real(dp), parameter :: largest_way = 1.0_dp  !! cells by which matter at an edge may have moved
   real(dp), parameter :: long = 20.0_dp        !! times of sound across the grid: what then still
                                                !! moves in a fluid is slow
+  real(dp), parameter :: little = 0.05_dp      !! of the distance from the source, by which a fluid
+                                               !! may move that feels what lies beyond its edge
   real(dp), parameter :: still = 1.0e-3_dp     !! part of the largest kinetic energy
 
 contains
@@ -44,7 +46,7 @@ contains
                             'the edge further away')
       end do
     end do
-    if (holds_slow_flow(model)) then
+    if (model%mesh%ndim > 1 .and. holds_slow_flow(model)) then  ! on a line dashpots are exact
       call opinion%object('a fluid still moves after sound has crossed the grid '// &
                           integer_text(nint(crossings(model)))//' times: absorbing edges hold '// &
                           'slow flow far more than the fluid beyond them would, a bubble '// &
@@ -89,20 +91,22 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(body_t), intent(in) :: body
     real(dp), intent(inout) :: moved(2, 3)
-    real(dp) :: place
+    real(dp) :: place, way, allowed
     integer :: c, i, l
     do i = 1, size(body%loads)
       associate (load => body%loads(i), particles => body%particles)
         if (load%kind /= load_absorbing) cycle
-        ! A fluid that feels what lies beyond its edge moves as that would let it.
-        if (load%fading > 0.0_dp .and. law_is_spherical(body%law)) cycle
         place = mesh%edge(load%side, load%axis) - (load%side - 1.5_dp)*body%spacing*mesh%inverse_h
+        allowed = 0.0_dp
+        if (load%fading > 0.0_dp .and. law_is_spherical(body%law)) then
+          allowed = little*abs(place - mesh_find(mesh, load%axis, load%source(load%axis)))
+        end if
         do c = 1, particles%chunks
           do l = 1, size(particles%id, 1)
             if (particles%id(l, c) == 0) cycle
             if (abs(particles%state(l, load%column + load%axis - 1, c)) <= 0.0_dp) cycle
-            moved(load%side, load%axis) = max(moved(load%side, load%axis), &
-                                              abs(particles%motion(l, load%axis, c) - place))
+            way = abs(particles%motion(l, load%axis, c) - place)
+            if (way > allowed) moved(load%side, load%axis) = max(moved(load%side, load%axis), way)
           end do
         end do
       end associate
