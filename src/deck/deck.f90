@@ -9,6 +9,7 @@ module sgmp_deck
   use sgmp_deck_errors, only: deck_errors_t, position_t
   use sgmp_deck_table, only: deck_table
   use sgmp_default_contact, only: default_contact_settle, solids_flow, solids_side
+  use sgmp_edge_pressure, only: edge_pressure_settle
   use sgmp_edge_sources, only: edge_sources_settle
   use sgmp_enclosed_gas, only: gas_alone, gas_burns, gas_in_gas, gas_may_part, &
                                gas_on_rigid, gas_sides
@@ -95,6 +96,7 @@ contains
     if (draft%errors%count() == 0) then
       call walls_apart_settle(draft%scene)
       call edge_sources_settle(draft%scene)
+      call edge_pressure_settle(draft%scene)
     end if
     call graded_bodies_settle(draft%scene%grid, draft%scene%bodies)
     call drop_overridden(cards)

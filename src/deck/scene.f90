@@ -68,6 +68,7 @@ module sgmp_scene
     logical :: springs = .false.              !! absorbing walls bear what a source pushes for ever
     logical :: inertia = .false.              !! the same of liquids alone, though no card says so
     real(dp) :: source(3) = 0.0_dp            !! its place (length)
+    real(dp) :: ambient = 0.0_dp              !! pressure at rest that holds everywhere
     character(:), allocatable :: walls_location  !! file:line:column of the card, for messages
     type(expression_t) :: wall_velocity(3, 2, 3)
       !! (component, lower|upper, axis) of fixed walls and of those that drag, functions of t

@@ -10,6 +10,7 @@ module sgmp_forewarnings
                                material_explosive
   use sgmp_contact, only: contact_between
   use sgmp_debris_doubts, only: debris_warnings
+  use sgmp_edge_pressure, only: edge_pressure_warning
   use sgmp_graded_axis, only: graded_place
   use sgmp_judge_collisions, only: projectile_narrow, projectile_wanted
   use sgmp_kernels, only: kernel_sgmp
@@ -63,6 +64,7 @@ contains
     call look_for_flying_gas(scene, model, warnings)
     call look_for_near_parts(model, warnings)
     call look_at_walls(scene, model, warnings)
+    if (edge_pressure_warning(scene) /= '') call warn(warnings, edge_pressure_warning(scene))
   end subroutine forewarnings_find
 
   !> Bodies that begin close to a wall towards which they move.

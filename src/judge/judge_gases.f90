@@ -10,11 +10,16 @@
 !! Gas between plates that fly at each other is pressed into few cells, and what it passes on of
 !! their velocities is up to 13 % off where these are fewer than four (class Stack).
 !!
+!! Bubbles of gas in a liquid that goes on beyond the edges of the grid swing with 0.90, 0.90, 0.96,
+!! 1.03, 1.03 of their period with 5, 6, 8, 10, 12 cells to the radius; with mpm and gimp, where
+!! particles of gas beside those of the liquid take part in its motion, hardly at all.
+!!
 !! Plates of four cells that a charge drives through a liquid get up to 13 % too large or 6 % too
 !! small a velocity, of six cells 4 % (class Sea).
 module sgmp_judge_gases
   use sgmp_constitutive, only: law_gaseous, law_is_spherical, law_liquid, &
                                material_explosive
+  use sgmp_kernels, only: method_bspline, method_sgmp
   use sgmp_kinds, only: dp
   use sgmp_model, only: model_t
   use sgmp_opinion, only: opinion_t
@@ -24,12 +29,13 @@ module sgmp_judge_gases
   use sgmp_thickness, only: body_thickness
   implicit none
   private
-  public :: is_round_charge, judge_charges, judge_cushions, judge_mines
+  public :: is_round_charge, judge_bubbles, judge_charges, judge_cushions, judge_mines
 
   real(dp), parameter :: ball_weight = 5.0_dp, tube_weight = 1.2_dp  !! cells of the radius
   real(dp), parameter :: wet_weight = 1.1_dp           !! of a ball in a liquid
   real(dp), parameter :: least_told = 0.06_dp
   real(dp), parameter :: cushion_cells = 4.0_dp, cushion_error = 0.15_dp
+  real(dp), parameter :: bubble_cells = 14.0_dp, bubble_error = 0.12_dp  !! across it
   real(dp), parameter :: mine_cells = 5.0_dp, mine_error = 0.15_dp
   real(dp), parameter :: least_error = 0.1_dp, most_error = 0.6_dp
 
@@ -123,6 +129,32 @@ contains
       return
     end do
   end subroutine judge_cushions
+
+  !> Bubbles of gas in a liquid between edges that let waves out.
+  subroutine judge_bubbles(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: cells
+    logical :: gas(size(model%bodies))
+    integer :: b
+    if (.not. (scene%grid%inertia .or. scene%grid%springs)) return
+    if (model%mesh%ndim == 1 .or. .not. any(law_liquid(model%bodies%law))) return
+    gas = is_gas(model)
+    do b = 1, size(scene%bodies)
+      if (.not. gas(b)) cycle
+      cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
+      if (all(scene%method%kind /= [method_sgmp, method_bspline])) then
+        call opinion%object("gas '"//trim(model%bodies(b)%name)//"' in a liquid hardly swings "// &
+                            'with this method: use sgmp')
+      else if (cells < bubble_cells) then
+        call opinion%expect(bubble_error, "gas '"//trim(model%bodies(b)%name)//"' is "// &
+                            real_text_about(cells)//' cells across in a liquid: the period '// &
+                            'with which it swings wants smaller cells')
+      end if
+      return
+    end do
+  end subroutine judge_bubbles
 
   !> Which bodies are gas from the start.
   pure function is_gas(model) result(yes)

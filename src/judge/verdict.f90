@@ -15,7 +15,7 @@ module sgmp_verdict
   use sgmp_judge_entries, only: judge_entries
   use sgmp_judge_failure, only: judge_failure, judge_torn
   use sgmp_judge_fronts, only: judge_fronts
-  use sgmp_judge_gases, only: judge_charges, judge_cushions, judge_mines
+  use sgmp_judge_gases, only: judge_bubbles, judge_charges, judge_cushions, judge_mines
   use sgmp_judge_heat, only: judge_heat
   use sgmp_judge_punches, only: judge_punches
   use sgmp_judge_pushed, only: judge_pushed
@@ -122,6 +122,7 @@ contains
     call judge_mines(self%opinion, scene, model)
     call judge_shocks(self%opinion, scene, model)
     call judge_cushions(self%opinion, scene, model, self%state%compression)
+    call judge_bubbles(self%opinion, scene, model)
     call judge_waves(self%opinion, scene, model)
     call judge_pushed(self%opinion, scene)
     call judge_fronts(self%opinion, model)

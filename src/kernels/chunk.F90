@@ -48,6 +48,7 @@ module DIM(sgmp_chunk)
   use DIM(sgmp_stress_update), only: stress_flux, stress_probe, stress_update
   use sgmp_sums, only: sum_applied, sum_collisions, sum_internal, sum_kinetic, sum_loose, &
                        sum_mass_aa, sum_moment, sum_momentum, sum_viscous, sweep_sums
+  use DIM(sgmp_surrounding), only: surrounding_book, surrounding_leave
 #ifdef AXISYMMETRIC
   use sgmp_swirl, only: swirl_blend, swirl_collect, swirl_drift, swirl_flux, swirl_kick, &
                         swirl_strain
@@ -391,6 +392,14 @@ contains
     else
       call update_stress(body%law, mesh, plan, task, task%live(1, nl), motion, got, nb, &
                          state, values(1, task%flux + 1), speed2, jacobian, lane_sums)
+    end if
+    if (body%law%ambient > 0.0_dp) then
+      if (plan%strain .or. plan%stress) then
+        call surrounding_leave(body%law%ambient, task%live(1, nl), state(1, 1), &
+                               values(1, task%flux + 1))
+      end if
+      if (plan%strain) call surrounding_book(body%law%ambient, task%live(1, nl), state(1, 1), &
+                                             jacobian, lane_sums)
     end if
     if (plan%strain .and. body%law%slots%damage > 0) then
       lane_sums(:, sum_loose) = lane_sums(:, sum_loose) + &

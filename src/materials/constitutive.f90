@@ -141,6 +141,8 @@ module sgmp_constitutive
     integer :: kept = 1                        !! columns of an equation of state: energy,
                                                !! distention of porous material, shift of pores
     real(dp) :: fluid_viscosity = 0.0_dp       !! Newton's, of a fluid (stress times time)
+    real(dp) :: ambient = 0.0_dp               !! pressure all around, which the grid does not
+                                               !! feel (sgmp_edge_pressure)
     logical :: small_strain = .false.          !! the linear theory: constant volume, no spin
     logical :: rigid = .false.                 !! prescribed motion: no stress
     logical :: thermal = .false.

@@ -271,6 +271,10 @@ contains
                         real_text(body%loads(i)%source(1))//','// &
                         real_text(body%loads(i)%source(2))//','// &
                         real_text(body%loads(i)%source(3))//')')
+    if (body%law%ambient > 0.0_dp) then
+      call put('  around    a pressure of '//real_text(body%law%ambient)//' everywhere: the '// &
+               'grid feels what is above it (absorbing walls)')
+    end if
     do i = 1, size(body%loads)
       if (body%loads(i)%kind /= load_blast .or. body%loads(i)%set > 1) cycle
       call put_blast(body%loads(i))

@@ -300,6 +300,7 @@ contains
                            method_band(scene%method%kind)*mesh%h)
       call debris_set_apart(body%law)
       body%law%rigid = body%rigid
+      body%law%ambient = scene%grid%ambient
       call keep_energy(scene, body)
       call law_slots(body%law, tensor_axes(scene))
       call add_columns(scene, number, mesh%ndim, body)

@@ -219,6 +219,30 @@ history steps=5
 gauge middle point=(1,0.5,0)
 output csv at=end fields=stress,displacement
 """
+# A burst in air under its own pressure, between edges that let waves out, beside a plate.
+OPEN_AIR = """
+parameter method = sgmp
+parameter update = musl
+dimension 2
+grid cell=0.1 x=0:2 y=0:3
+wall x-=slip x+=absorbing y-=absorbing y+=absorbing
+method $method update=$update
+time steps=100
+material gas fluid density=1.2
+eos gas ideal_gas gamma=1.4 energy0=2.5e5
+material hot fluid density=12
+eos hot ideal_gas gamma=1.4 energy0=2.5e6
+material steel j2 density=7800 young=2e11 poisson=0.3 yield=3e8
+body air block material=gas lower=(0,0) upper=(2,3)
+subtract air sphere centre=(0,1.5) radius=0.6
+subtract air block lower=(1,0.5) upper=(1.2,2.5)
+body ball sphere material=hot centre=(0,1.5) radius=0.6
+intersect ball block lower=(0,0) upper=(2,3)
+body plate block material=steel lower=(1,0.5) upper=(1.2,2.5)
+history steps=5
+output csv at=end fields=stress,density
+"""
+
 REFERENCE_SPACE = changed(REFERENCE, ("dimension 2", "dimension 3"), ("steps=80", "steps=30"),
                           ("lower=(0.1,0) upper=(2.1,1)", "lower=(0.1,0,0) upper=(1.6,0.75,1.5)"))
 

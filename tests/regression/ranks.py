@@ -13,8 +13,8 @@ import re
 import subprocess
 
 from _runs import (AVERAGED, CONE, DRAGGED, ENVIRONMENT, ERODING, FAILING, FLUIDS, FULL, HOOPS, INPUT, KEPT_PLANE,
-                   KEPT_RINGS, KEPT_SPACE, METALS, REFERENCE, REFERENCE_SPACE, RUBBED, SCRATCH, SCATTERED, SEAT, SGMP,
-                   SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
+                   KEPT_RINGS, KEPT_SPACE, METALS, OPEN_AIR, REFERENCE, REFERENCE_SPACE, RUBBED, SCRATCH, SCATTERED,
+                   SEAT, SGMP, SPLIT, SPLIT_GAS, SPLIT_RINGS, SPLIT_SPACE, SWIRL, Report, Run, own)
 
 # Ranks and threads. Three ranks have one between two others; where cuts move, four are more than it takes.
 LAYOUTS = [(1, 1), (2, 1), (3, 1), (4, 1), (2, 2)] if FULL else [(1, 1), (2, 2), (4, 1)]
@@ -232,6 +232,8 @@ SCENES = [
     ("rings_gimp", "rings.inp", {"h": 2, "t_end": 0.3, "spacing": "h/2", "method": "gimp", "update": "usl"}, FEW),
     ("sphere_slope", "sphere_slope.inp", {"h": 0.4, "t_end": 0.01, "stress": "normalised"}, FEW),
     ("fluids", FLUIDS, {}, FEW),
+    ("open_air", OPEN_AIR, {}, FEW),
+    ("open_air_gimp", OPEN_AIR + "balance every=3 gain=0\n", {"method": "gimp", "update": "usl"}, FEW),
     ("failing", FAILING, {}, FEW),
     ("averaged", AVERAGED, {"t_end": 0.025}, LAYOUTS),
     ("averaged_gimp", AVERAGED, {"t_end": 0.02, "method": "gimp", "update": "usf"}, FEW),

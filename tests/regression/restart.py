@@ -6,8 +6,8 @@ usage: restart.py SGMP SOURCE_DIR SCRATCH_DIR
 import os
 
 from _restarts import FULL, checkpoints, command, deck, execute, goes_on, mpirun, same_files, straight
-from _runs import (AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, REFERENCE, REFERENCE_SPACE,
-                   RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own)
+from _runs import (AVERAGED, CONE, DRAGGED, ERODING, FAILING, FLUIDS, KEPT_PLANE, METALS, OPEN_AIR, REFERENCE,
+                   REFERENCE_SPACE, RUBBED, SCATTERED, SEAT, SPLIT, SPLIT_SPACE, SWIRL, Report, own)
 
 EVERYTHING = "output vtkhdf\noutput vtu fields=stress,displacement\noutput tecplot\ngauge middle point=(0.5,0.5,0.5)\n"
 # Particles leave the grid on two sides, where they are dropped or turned back.
@@ -133,6 +133,7 @@ SCENES = [
     ("scattered", SCATTERED, {}, 80, 2),
     ("eroding", ERODING, {}, 80, 2),
     ("absorbing", ABSORBING, {}, 40, 2),
+    ("open_air", OPEN_AIR, {}, 100, 2),
     ("kept", KEPT_PLANE, {}, 80, 2),
     ("reference", REFERENCE, {}, 80, 2),
     ("reference_space", REFERENCE_SPACE, {"method": "mpm"}, 30, 1),

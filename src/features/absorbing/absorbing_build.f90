@@ -114,8 +114,7 @@ contains
           if (body%stressed) weight = body%particles%motion(l, mass, c)/ &
                                       body%particles%state(l, body%law%slots%volume, c)*gravity
           call fill_particle(card, mesh, lattice, weight, body%loads(i), body%spacing, &
-                             body%law%slots%stress, body%law%slots%stresses, x, &
-                             body%particles%state(l, :, c), beyond, faceless)
+                             body%law, x, body%particles%state(l, :, c), beyond, faceless)
         end do
       end do
     end do
@@ -130,15 +129,15 @@ contains
   end subroutine absorbing_fill
 
   !> The columns of one particle and one edge.
-  pure subroutine fill_particle(card, mesh, lattice, weight, load, spacing, stress, stresses, x, &
-                                state, beyond, faceless)
+  pure subroutine fill_particle(card, mesh, lattice, weight, load, spacing, law, x, state, &
+                                beyond, faceless)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     type(lattice_t), intent(in) :: lattice       !! where the faces are known
     real(dp), intent(in) :: weight(3)            !! per volume, of matter that rests on its stress
     type(load_t), intent(in) :: load
     real(dp), intent(in) :: spacing
-    integer, intent(in) :: stress, stresses      !! first column, how many
+    type(constitutive_t), intent(in) :: law
     real(dp), intent(in) :: x(3)
     real(dp), intent(inout) :: state(:)
     logical, intent(inout) :: beyond, faceless
@@ -163,8 +162,9 @@ contains
     faceless = faceless .or. (all(abs(area) <= 0.0_dp) .and. to_edge < near*length)
     if (all(abs(area) <= 0.0_dp)) return
     state(load%column:load%column + n - 1) = area(:n)
-    associate (rest => state(load%column + n:load%column + 2*n - 1))
-      rest = outward*across(state(stress:stress + stresses - 1), load%axis, n)
+    associate (rest => state(load%column + n:load%column + 2*n - 1), first => law%slots%stress)
+      rest = outward*across(state(first:first + law%slots%stresses - 1), load%axis, n)
+      rest(load%axis) = rest(load%axis) + outward*law%ambient
       ! At the face, half a particle from where the stress is known.
       rest(load%axis) = rest(load%axis) - 0.5_dp*state(1)/norm2(area)*weight(load%axis)
     end associate

@@ -18,7 +18,8 @@ module sgmp_absorbing_doubts
   real(dp), parameter :: long = 20.0_dp        !! times of sound across the grid: what then still
                                                !! moves in a fluid is slow
   real(dp), parameter :: little = 0.05_dp      !! of the distance from the source, by which a fluid
-                                               !! may move that feels what lies beyond its edge
+                                               !! may move that feels what lies beyond its edge, or
+                                               !! whose pressure is held all around
   real(dp), parameter :: still = 1.0e-3_dp     !! part of the largest kinetic energy
 
 contains
@@ -86,6 +87,16 @@ contains
     end do
   end function crossings
 
+  !> Cells from an edge to where its waves come from, where that is not known: the middle of the
+  !! grid, or all of it where the other side is a plane of symmetry, the axis or a wall.
+  pure function half_way(mesh, axis) result(cells)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: axis
+    real(dp) :: cells
+    cells = mesh%cells(axis)
+    if (mesh%absorbs(1, axis) .and. mesh%absorbs(2, axis)) cells = 0.5_dp*cells
+  end function half_way
+
   !> How far particles that bear the edges have moved across them (cells).
   pure subroutine look_at(mesh, body, moved)
     type(mesh_t), intent(in) :: mesh
@@ -100,6 +111,8 @@ contains
         allowed = 0.0_dp
         if (load%fading > 0.0_dp .and. law_is_spherical(body%law)) then
           allowed = little*abs(place - mesh_find(mesh, load%axis, load%source(load%axis)))
+        else if (body%law%ambient > 0.0_dp) then
+          allowed = little*half_way(mesh, load%axis)
         end if
         do c = 1, particles%chunks
           do l = 1, size(particles%id, 1)
