@@ -10,8 +10,8 @@ module sgmp_sums
   public :: removed_sums, removed_count, removed_mass, removed_momentum, removed_moment, &
             removed_kinetic, removed_internal
   public :: nodes_sums, nodes_mass_aa, nodes_mass_av, nodes_external, nodes_edge_push, &
-            nodes_edge_taken, nodes_features, feature_sums, nodes_lost, nodes_taken, nodes_walls, &
-            wall_entry
+            nodes_edge_taken, nodes_features, feature_sums, nodes_lost, nodes_taken, nodes_unfelt, &
+            nodes_walls, wall_entry
 
   integer, parameter :: sweep_sums = 22    !! entries of a plane's sums over particles
   integer, parameter :: sum_kinetic = 1    !! sum 1/2 m |v|^2 (at the end of the sweep)
@@ -45,7 +45,7 @@ module sgmp_sums
   integer, parameter :: removed_kinetic = 9
   integer, parameter :: removed_internal = 10
 
-  integer, parameter :: nodes_sums = 39    !! entries of a plane's sums over nodes
+  integer, parameter :: nodes_sums = 40    !! entries of a plane's sums over nodes
   integer, parameter :: nodes_mass_aa = 1  !! sum m_I |a_I|^2
   integer, parameter :: nodes_mass_av = 2  !! sum m_I a_I . v_I at the velocity before the kick
   integer, parameter :: nodes_external = 3  !! power of gravity, body forces, and absorbing edges
@@ -57,7 +57,8 @@ module sgmp_sums
   integer, parameter :: feature_sums = 12   !! and how many they have
   integer, parameter :: nodes_edge_taken = 18  !! power that absorbing edges take from waves
   integer, parameter :: nodes_edge_push = 19  !! first of their force against waves (3 components)
-  integer, parameter :: nodes_walls = 22  !! first of the forces of walls (wall_entry)
+  integer, parameter :: nodes_walls = 22  !! first of the forces of walls (wall_entry), 18
+  integer, parameter :: nodes_unfelt = 40  !! power of forces that particles do not feel, on strains
 
 contains
 

@@ -111,6 +111,10 @@ contains
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     integer :: p, p1, p2
+    if (method%unfelt > 0.0_dp) then
+      if (allocated(field%unfelt)) deallocate (field%unfelt)
+      allocate (field%unfelt(field%planes), source=0.0_dp)
+    end if
     call field_node_planes(field, partition, p1, p2)
     !$omp parallel do schedule(static) num_threads(team%threads) &
     !$omp& if(team%threads > 1 .and. field%points > few_points) &

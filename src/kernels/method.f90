@@ -38,6 +38,8 @@ module sgmp_method
     real(dp) :: damping = 0.0_dp            !! rate at which velocities decay
     logical :: kinetic_damping = .false.    !! all stop when the kinetic energy has fallen
     real(dp) :: damped_until = 0.0_dp       !! time
+    real(dp) :: unfelt = 0.0_dp             !! part of what nodes are pushed by and particles do not
+                                            !! feel that strains them now (sgmp_unfelt_stages)
     integer :: lost_policy = 1              !! one of lost_*
     logical :: loses = .false.              !! particles may leave the grid and be removed
   end type method_t

@@ -172,8 +172,9 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     type(method_t), intent(in) :: method
-    real(dp) :: m(tile), p(tile, NDIM)
+    real(dp) :: m(tile), p(tile, NDIM), power(lanes)
     integer :: s, first, n, idx
+    power = 0.0_dp
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
@@ -182,7 +183,10 @@ contains
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
 #endif
-        call divide_tile(n, size(field%node, 1), p, field%node(idx, 1))
+        if (method%unfelt > 0.0_dp) then
+          call book_unfelt(n, first, size(field%node, 1), p, field%node(idx, 1), power)
+        end if
+        call divide_tile(n, size(field%node, 1), method%unfelt, p, field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
         if (method%features%wall_friction%rubs) then
@@ -192,22 +196,52 @@ contains
                                                                  node_remapped, .false.)
       end do
     end do
+    if (method%unfelt > 0.0_dp) field%unfelt(plane) = method%unfelt*sum(power)
   end subroutine nodes_remap
 
-  !> v = p/m; where the mass is below the cut-off, round-off of the weights, the velocity stays.
-  pure subroutine divide_tile(n, stride, p, node)
+  !> v = p/m, and of what the velocity after the kick has beyond it, which no particle feels, a part
+  !! (sgmp_unfelt_stages); where the mass is below the cut-off, round-off of the weights, the
+  !! velocity stays.
+  pure subroutine divide_tile(n, stride, unfelt, p, node)
     integer, intent(in) :: n, stride
+    real(dp), intent(in) :: unfelt               !! that part
     real(dp), intent(in) :: p(tile, NDIM)
     real(dp), intent(inout) :: node(stride, node_total(SPACE))
+    real(dp) :: v
     integer :: i, a
-    !$omp simd private(a)
+    !$omp simd private(a, v)
     do i = 1, n
       do a = 1, NDIM
-        node(i, before_a + a) = merge(p(i, a)*node(i, inverse_at), node(i, before_v + a), &
-                                      node(i, inverse_at) >= 0.0_dp)
+        v = p(i, a)*node(i, inverse_at)
+        v = v + unfelt*(node(i, before_v + a) - v)
+        node(i, before_a + a) = merge(v, node(i, before_v + a), node(i, inverse_at) >= 0.0_dp)
       end do
     end do
   end subroutine divide_tile
+
+  !> Adds the power of the forces on what the velocity after the kick has beyond the re-mapped one,
+  !! sum m a . (v - p/m), before the latter takes the place of the acceleration.
+  pure subroutine book_unfelt(n, first, stride, p, node, power)
+    integer, intent(in) :: n, first, stride      !! nodes, place of the first, stride of `node`
+    real(dp), intent(in) :: p(tile, NDIM)
+    real(dp), intent(in) :: node(stride, node_total(SPACE))
+    real(dp), intent(inout) :: power(lanes)      !! of nodes by their place along the grid
+    real(dp) :: one, whole
+    integer :: i, a, l
+    do i = 1, n
+      if (.not. node(i, inverse_at) > 0.0_dp) cycle
+      l = 1 + modulo(first + i - 1, lanes)
+      whole = 0.0_dp
+      do a = 1, NDIM
+        one = node(i, before_a + a)*(node(i, before_v + a) - p(i, a)*node(i, inverse_at))
+#ifdef AXISYMMETRIC
+        if (a == 1) one = node(i, node_inertia)*one
+#endif
+        whole = whole + one
+      end do
+      power(l) = power(l) + whole/node(i, inverse_at)
+    end do
+  end subroutine book_unfelt
 
   !> Sums of a tile for the energy ledger, over the nodes that take part.
   !!

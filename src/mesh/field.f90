@@ -65,6 +65,7 @@ module sgmp_field
     type(drive_t), allocatable :: drives(:)  !! prescribed motions; not allocated: none
     integer :: drive_terms = 0           !! entries of a step's sums before those of the drives
     real(dp), allocatable :: drive_sums(:, :, :)  !! (drive_sums, drives, planes) of the step
+    real(dp), allocatable :: unfelt(:)  !! (planes) power of forces that particles do not feel
   end type field_t
 
 contains

@@ -61,6 +61,7 @@ module sgmp_stages
   use sgmp_swirl_account, only: swirl_account
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
+  use sgmp_unfelt_stages, only: unfelt_part, unfelt_tally
   use sgmp_update, only: update_musl, update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
   use sgmp_wall_friction_account, only: wall_friction_account, wall_friction_book
@@ -110,6 +111,9 @@ contains
   subroutine stage_open(model)
     type(model_t), intent(inout) :: model
     if (model%method%removes) call removal_open(model%clock%time, model%bodies)
+    model%method%unfelt = unfelt_part(model%method, model%clock%time, model%bodies, &
+                                      model%totals%bodies%internal, &
+                                      model%ledger%largest_kinetic, model%fields)
     if (model%method%erodes) call erosion_open(model%mesh%h*merge(1.0_dp, model%clock%cfl, &
                                                                   model%clock%fixed > 0.0_dp), &
                                                model%bodies)
@@ -262,6 +266,10 @@ contains
                                                    team%threads)
       call phase_relax(model%method, model%clock%dt, mesh, fields, bodies, team, &
                        model%ranks%partition)
+      if (model%method%unfelt > 0.0_dp) then
+        call unfelt_tally(model%method, fields, bodies, model%ranks%partition, &
+                           model%findings%tally)
+      end if
     end associate
   end subroutine stage_after_remap
 
