@@ -80,7 +80,8 @@ contains
       if (model%bodies(b)%rigid .or. law_is_spherical(model%bodies(b)%law)) cycle
       cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
       if (cells >= mine_cells(2)) cycle
-      call opinion%expect(mine_error(merge(1, 2, cells < mine_cells(1))), "body '"//trim(model%bodies(b)%name)//"' is "// &
+      call opinion%expect(merge(mine_error(1), mine_error(2), cells < mine_cells(1)), &
+                          "body '"//trim(model%bodies(b)%name)//"' is "// &
                           real_text_about(cells)//' cells thick, and a charge drives it '// &
                           'through a liquid: use smaller cells')
       return
