@@ -115,6 +115,18 @@ pressure tube p="1e-3*min(1,t/84)" face=r-
 damping rate=0.6
 output csv at=end fields=stress,displacement
 """
+# A cantilever whose end is pushed within one and a half of its periods.
+BENT = """
+parameter cells=6
+dimension 2
+grid cell=1/cells x=open y=open
+time end=900 cfl=0.5
+material m elastic density=1 young=1 poisson=0.45
+body beam block material=m lower=(0,0) upper=(8,1) ppc=2
+motion beam where="x0<1/cells" x=0 y=0
+traction beam face=x+ y="1e-5*min(1,t/600)"
+output csv at=end fields=stress,displacement
+"""
 TUMBLING = """
 dimension 2
 grid cell=1/4
@@ -207,6 +219,21 @@ def lame(report):
         if name != "slow":
             dissipated = result["energy.unfelt_dissipation"]
             report.check(dissipated > 0, f"lame {name}: {dissipated}")
+
+
+def bent(report):
+    """A cantilever has the stress of a beam, -P (L - x) y/I, with no damping."""
+    result = run("bent", BENT)
+    if not report.finished(result, "bent"):
+        return
+    largest = 1e-5*8*0.5*12
+    off = [
+        row["stress_xx"] + 1e-5*(8 - row["x"])*(row["y"] - row["displacement_y"] - 0.5)*12
+        for row in result.table("particles_end.csv") if 1.5 < row["x"] < 6.5
+    ]
+    rms = math.sqrt(sum(one**2 for one in off)/len(off))/largest
+    print(f"bent: stress off by {rms:.4f} of the largest")
+    report.check(rms < 0.008, f"bent: stress off by {rms} of the largest")
 
 
 def flight(report):
@@ -345,6 +372,7 @@ if __name__ == "__main__":
     REPORT = Report()
     modes(REPORT)
     lame(REPORT)
+    bent(REPORT)
     flight(REPORT)
     equilibrium(REPORT)
     weights(REPORT)

@@ -26,12 +26,13 @@ module sgmp_unfelt_stages
 
   real(dp), parameter :: part = 0.02_dp        !! of update=usl
   real(dp), parameter :: slow = 0.01_dp        !! kinetic over internal energy of solids, at most
+  real(dp), parameter :: fast = 0.25_dp        !! from here on nothing of it; between, in proportion
 
 contains
 
   !> Which part of the velocity that forces give the nodes beyond what particles feel of it strains
-  !! them in a step: where the scene is damped, or where its kinetic energy has never been more than
-  !! a hundredth of what its solids have taken up by now.
+  !! them in a step: where the scene is damped, or as its kinetic energy has never been more than a
+  !! hundredth of what its solids have taken up by now, and less where it has been up to a quarter.
   pure function unfelt_part(method, time, bodies, internal, largest_kinetic, fields) result(unfelt)
     type(method_t), intent(in) :: method
     real(dp), intent(in) :: time                 !! at the start of the step
@@ -48,7 +49,11 @@ contains
       return
     end if
     solids = sum(internal, mask=.not. (bodies%rigid .or. law_is_spherical(bodies%law)))
-    if (largest_kinetic < slow*solids) unfelt = part
+    if (largest_kinetic < slow*solids) then
+      unfelt = part
+    else if (largest_kinetic < fast*solids) then
+      unfelt = part*slow*solids/largest_kinetic
+    end if
   end function unfelt_part
 
   !> Adds up the power of such forces on the strains, over the planes of this rank; a step of usavg
