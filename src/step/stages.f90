@@ -61,7 +61,8 @@ module sgmp_stages
   use sgmp_swirl_account, only: swirl_account
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_grid, phase_kick, timers_stop
-  use sgmp_unfelt_stages, only: unfelt_part, unfelt_tally
+  use sgmp_unfelt_account, only: unfelt_account
+  use sgmp_unfelt_stages, only: unfelt_part, unfelt_possible, unfelt_tally
   use sgmp_update, only: update_musl, update_strains_before, update_usavg, update_usl
   use sgmp_volumes_account, only: volumes_account
   use sgmp_wall_friction_account, only: wall_friction_account, wall_friction_book
@@ -97,6 +98,7 @@ contains
       if (method%features%splitting%limit > 0.0_dp) call splitting_account(terms)
       if (method%swirl) call swirl_account(terms)
       if (method%damped) call damping_account(terms)
+      if (unfelt_possible(method, model%bodies, model%fields)) call unfelt_account(terms)
       if (method%erodes) call erosion_account(terms)
       if (method%loses) call loss_account(terms)
       if (method%removes) call removal_account(terms)

@@ -1,9 +1,8 @@
 !> Damping in the energy balance: a part of all velocities is gone when the step has been booked.
 module sgmp_damping_account
   use sgmp_energy, only: ledger_t
-  use sgmp_energy_terms, only: energy_term_t, energy_terms_t, from_nodes, terms_add, terms_find
+  use sgmp_energy_terms, only: energy_term_t, energy_terms_t, terms_add, terms_find
   use sgmp_kinds, only: dp
-  use sgmp_sums, only: nodes_unfelt
   implicit none
   private
   public :: damping_account, damping_book, damping_book_kick
@@ -12,14 +11,11 @@ module sgmp_damping_account
 
 contains
 
-  !> Adds the term of damping, and that of forces that particles do not feel.
+  !> Adds the term of damping.
   pure subroutine damping_account(terms)
     type(energy_terms_t), intent(inout) :: terms
     call terms_add(terms, energy_term_t(name=dissipation, column='damping_dissipation', &
                                         sign=-1.0_dp, explained=.true.))
-    call terms_add(terms, energy_term_t(name='energy.unfelt_dissipation', &
-                                        column='unfelt_dissipation', sign=-1.0_dp, &
-                                        explained=.true., source=from_nodes, entry=nodes_unfelt))
   end subroutine damping_account
 
   !> Books the kinetic energy that is lost where all velocities are multiplied by a factor, and

@@ -19,20 +19,32 @@ module sgmp_unfelt_stages
   use sgmp_rigid_bodies, only: rigid_field
   use sgmp_sums, only: nodes_unfelt, sweep_sums
   use sgmp_tally, only: tally_add, tally_t
-  use sgmp_update, only: update_usavg
+  use sgmp_update, only: update_musl, update_usavg
   implicit none
   private
-  public :: unfelt_part, unfelt_tally
+  public :: unfelt_part, unfelt_possible, unfelt_tally
 
   real(dp), parameter :: part = 0.02_dp        !! of update=usl
   real(dp), parameter :: slow = 0.01_dp        !! kinetic over internal energy of solids, at most
-  real(dp), parameter :: fast = 0.25_dp        !! from here on nothing of it; between, in proportion
+  real(dp), parameter :: fast = 0.2_dp         !! from here on nothing of it; between, in proportion
+                                               !! (1/4: what a sudden load makes vibrate)
 
 contains
 
+  !> Whether a scene may come to strain particles with forces that they do not feel.
+  pure function unfelt_possible(method, bodies, fields) result(yes)
+    type(method_t), intent(in) :: method
+    type(body_t), intent(in) :: bodies(:)
+    type(field_t), intent(in) :: fields(:)
+    logical :: yes
+    yes = any(method%update == [update_musl, update_usavg]) .and. &
+          all(fields%kernel == kernel_sgmp) .and. &
+          (method%damped .or. .not. all(bodies%rigid .or. law_is_spherical(bodies%law)))
+  end function unfelt_possible
+
   !> Which part of the velocity that forces give the nodes beyond what particles feel of it strains
   !! them in a step: where the scene is damped, or as its kinetic energy has never been more than a
-  !! hundredth of what its solids have taken up by now, and less where it has been up to a quarter.
+  !! hundredth of what its solids have taken up by now, and less where it has been up to a fifth.
   pure function unfelt_part(method, time, bodies, internal, largest_kinetic, fields) result(unfelt)
     type(method_t), intent(in) :: method
     real(dp), intent(in) :: time                 !! at the start of the step
@@ -43,7 +55,7 @@ contains
     real(dp) :: unfelt
     real(dp) :: solids
     unfelt = 0.0_dp
-    if (any(fields%kernel /= kernel_sgmp)) return
+    if (.not. unfelt_possible(method, bodies, fields)) return
     if (method%damped) then
       if (time < method%damped_until) unfelt = part
       return
