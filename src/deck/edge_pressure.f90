@@ -27,7 +27,7 @@ contains
   subroutine edge_pressure_settle(scene)
     type(scene_t), intent(inout) :: scene
     if (.not. any(scene%grid%wall(:, :scene%dimension) == wall_absorbing)) return
-    if (obstacle(scene) == '') scene%grid%ambient = pressure_at_edges(scene)
+    if (obstacle(scene) == '') scene%grid%ambient = pressure_at_edges(scene, .false.)
   end subroutine edge_pressure_settle
 
   !> What to say of gas whose pressure at such edges the grid has to bear; empty: nothing.
@@ -38,7 +38,7 @@ contains
     text = ''
     if (.not. any(scene%grid%wall(:, :scene%dimension) == wall_absorbing)) return
     if (scene%grid%ambient > 0.0_dp .or. scene%dimension == 1) return
-    pressure = pressure_at_edges(scene, gases=.true.)
+    pressure = pressure_at_edges(scene, .true.)
     if (.not. pressure > 0.0_dp) return
     text = 'gas under a pressure of '//real_text(pressure)//' ends at absorbing edges, whose '// &
            'faces must balance it: noise grows there, and within a few crossings of sound the '// &
@@ -65,7 +65,7 @@ contains
       text = 'a side of the grid is neither a wall nor such an edge'
     else if (.not. fills(scene)) then
       text = 'matter does not fill the grid'
-    else if (.not. pressure_at_edges(scene) > 0.0_dp) then
+    else if (.not. pressure_at_edges(scene, .false.) > 0.0_dp) then
       text = 'what else ends there begins without a pressure (initial_stress … pressure=)'
     end if
   end function obstacle
@@ -85,19 +85,10 @@ contains
   !> The least pressure at the start of those bodies that end at absorbing edges.
   pure function pressure_at_edges(scene, gases) result(least)
     type(scene_t), intent(in) :: scene
-    logical, intent(in), optional :: gases       !! of these alone
+    logical, intent(in) :: gases                 !! of these alone
     real(dp) :: least
-    logical :: counts(size(scene%bodies))
     integer :: number(3), axis, b, i, side
     real(dp) :: point(3)
-    counts = .true.
-    if (present(gases)) then
-      do b = 1, size(counts)
-        if (scene%bodies(b)%material > 0) then
-          counts(b) = law_gaseous(scene%materials(scene%bodies(b)%material)%law) .or. .not. gases
-        end if
-      end do
-    end if
     least = huge(1.0_dp)
     number = points_along(scene)
     do axis = 1, scene%dimension
@@ -107,7 +98,8 @@ contains
           point = point_at(scene, number, face_point(number, axis, side, i))
           b = body_at(scene, point)
           if (b == 0) cycle
-          if (counts(b)) least = min(least, first_pressure(scene, b))
+          if (gases .and. .not. law_gaseous(scene%materials(scene%bodies(b)%material)%law)) cycle
+          least = min(least, first_pressure(scene, b))
         end do
       end do
     end do

@@ -64,8 +64,17 @@ contains
     call look_for_flying_gas(scene, model, warnings)
     call look_for_near_parts(model, warnings)
     call look_at_walls(scene, model, warnings)
-    if (edge_pressure_warning(scene) /= '') call warn(warnings, edge_pressure_warning(scene))
+    call look_at_edges(scene, warnings)
   end subroutine forewarnings_find
+
+  !> Gas whose pressure absorbing edges must balance.
+  subroutine look_at_edges(scene, warnings)
+    type(scene_t), intent(in) :: scene
+    type(string_t), allocatable, intent(inout) :: warnings(:)
+    character(:), allocatable :: text
+    text = edge_pressure_warning(scene)
+    if (text /= '') call warn(warnings, text)
+  end subroutine look_at_edges
 
   !> Bodies that begin close to a wall towards which they move.
   subroutine look_at_walls(scene, model, warnings)

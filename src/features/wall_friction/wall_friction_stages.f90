@@ -41,11 +41,14 @@ contains
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
     type(tally_t) :: unused
+    type(method_t) :: still                      !! particles have not felt these forces yet
     integer :: f, a, b
+    still = method
+    still%unfelt = 0.0_dp
     call tally_reset(unused, size(bodies)*(sweep_sums + method%removed) + nodes_sums + &
                      sum(fields%columns%driven)*drive_sums)
     call phase_solve(method, dt, mesh, fields, bodies, team, partition, unused)
-    call phase_remap(method, mesh, fields, bodies, team, partition)
+    call phase_remap(still, mesh, fields, bodies, team, partition)
     do f = 1, size(fields)
       b = rigid_field(bodies, f)
       if (b > 0) then
