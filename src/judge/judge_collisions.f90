@@ -31,7 +31,8 @@ module sgmp_judge_collisions
   use sgmp_thickness, only: body_thickness, length_along
   implicit none
   private
-  public :: judge_collisions, judge_projectiles, projectile_narrow, projectile_wanted
+  public :: judge_collisions, judge_projectiles, projectile_fastest, projectile_narrow, &
+            projectile_wanted
 
   real(dp), parameter :: line_weight = 0.41_dp    !! sgmp, bars of 4 to 80 cells: 0.30 to 0.41
   real(dp), parameter :: row_power = 1.3_dp       !! of meetings in a row: 2 and 3 bars after one
@@ -363,7 +364,7 @@ contains
     if (law_is_spherical(model%bodies(b)%law) .or. model%totals%bodies(b)%mass <= 0.0_dp) return
     speed = speed_at_start(scene, b, n)
     if (speed < ordnance(1)*model%findings%fastest) return
-    if (speed > ordnance(2)*model%findings%fastest) return
+    if (speed > projectile_fastest(model)) return
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p)%body)
         if (any(pair > size(scene%bodies)) .or. .not. any(pair == b)) cycle
@@ -373,6 +374,13 @@ contains
       end associate
     end do
   end function is_shot
+
+  !> Speed from which on all flows that a body hits.
+  pure function projectile_fastest(model) result(speed)
+    type(model_t), intent(in) :: model
+    real(dp) :: speed
+    speed = ordnance(2)*model%findings%fastest
+  end function projectile_fastest
 
   !> Whether a body rests at the start and can fail.
   pure logical function is_target(scene, model, b, n) result(yes)

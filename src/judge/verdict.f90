@@ -12,6 +12,7 @@ module sgmp_verdict
   use sgmp_judge_balance, only: judge_energy, judge_erosion, judge_impulse, judge_noise, &
                                 judge_stressed, judge_turning
   use sgmp_judge_collisions, only: judge_collisions, judge_projectiles
+  use sgmp_judge_digging, only: judge_digging
   use sgmp_judge_entries, only: judge_entries
   use sgmp_judge_failure, only: judge_failure, judge_torn
   use sgmp_judge_fronts, only: judge_fronts
@@ -115,6 +116,7 @@ contains
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
     call judge_punches(self%opinion, scene, model)
+    call judge_digging(self%opinion, scene, model)
     call judge_entries(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)
     call judge_toppling(self%opinion, scene, model)

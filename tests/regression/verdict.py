@@ -13,6 +13,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 from _runs import BURNS, ENVIRONMENT, INCLINED, SCRATCH, SGMP, SOURCE, Report, Run, changed, run
 
@@ -550,6 +551,7 @@ def criteria(report):
     flash(report)
     vacuum(report)
     punches(report)
+    digs(report)
     entries(report)
     shocks(report)
     rolls(report)
@@ -1310,6 +1312,33 @@ def punches(report):
     coarse(report, "footing_stiff", stiff, "whose edges act half a cell too far outside", 0.1)
     covers = run("footing_covers", FOOTING.replace("upper=(0.5,2.2)", "upper=(4,2.2)"))
     report.check(not any("edges" in why for why in covers["verdict_reasons"]), f"footing_covers: {covers.text}")
+
+
+def digs(report):
+    """A rigid rod that goes into a solid that flows bears too much, the fewer cells it has across. Nothing is said
+    before it has gone in, where the solid does not flow, or where that is as wide."""
+    words = "has made its way into 'target'"
+    deck = Path(SOURCE, "verification/penetration/dig.inp").read_text(encoding="utf-8")
+    doubts(report, "digs_4", deck, words, cells=2, t_end=0.02)
+    runs = [coarse(report, f"digs_{2*cells}", deck, words, least, cells=cells, t_end=0.015)
+            for cells, least in ((4, 0.42), (8, 0.14))]
+    tables = [found.table("contact.csv") for found in runs]
+    forces = [sum(row["force_z"]*(row["time"] - before["time"]) for before, row in zip(table, table[1:]))
+              for table in tables]
+    report.check(0.14 < forces[0]/forces[1] - 1 < 0.42, f"digs: {forces}, the coarser one should bear more")
+    flat = deck.replace("dimension axisymmetric", "dimension 2").replace("r=0:48 z=", "x=0:48 y=").replace(
+        "wall r+=slip z-=slip", "wall x-=slip x+=slip y-=slip").replace("add rod cylinder", "intersect rod block "
+        "lower=(0,-1) upper=(radius,100)\nadd rod block lower=(0,radius) upper=(radius,44) !").replace(
+        "rigid rod z=", "rigid rod y=")
+    coarse(report, "digs_flat", flat, words, 0.21, cells=4, t_end=0.02)
+    for name, other, settings in (
+        ("early", deck, {"t_end": 0.003}), ("elastic", deck.replace("al j2", "al elastic").replace(" yield=400", ""), {}),
+        ("soft", deck.replace("yield=400", "yield=1"), {}),
+        ("wide", deck.replace("upper=(48,0)", "upper=(5,0)").replace("r=0:48", "r=0:5"), {}),
+    ):
+        result = run(f"digs_{name}", other, **{"cells": 4, "t_end": 0.02, **settings})
+        report.check(not any(words in why for why in result["verdict_reasons"]),
+                     f"digs_{name}: {result['verdict_reasons']}")
 
 
 def entries(report):
