@@ -2,7 +2,7 @@
 !!
 !! Cells as wide as a part of what digs in cannot follow how the metal makes way: it flows around it
 !! as around a body that is wider by about a cell on each side, though it touches it where it
-!! should, and bears too much. A rigid rod of 4, 8, 16 and 32 cells across with a round nose, 500 m/s
+!! should, and bears too much. A rigid rod of 4, 8, 16, 32 cells across with a round nose, 500 m/s
 !! into aluminium of constant strength: 126, 44, 16 and 6 % more force than that to which these
 !! converge (sgmp; gimp and mpm likewise), half as much in the plane. Of the resistance that is the
 !! part by strength, some five times the yield stress; what a jet meets is inertia. What is not held
@@ -104,8 +104,8 @@ contains
     yes = mesh%ndim == 2 .and. mesh%space /= space_axisymmetric
   end function is_plane
 
-  !> Whether a body, solid and narrower than the other across a push, may dig into that one, a metal,
-  !! no faster than a projectile does.
+  !> Whether a body, solid and narrower than the other across a push, may dig into that one, a
+  !! metal, no faster than a projectile does.
   pure logical function may_dig(scene, model, b, t, push) result(yes)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model

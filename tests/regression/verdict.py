@@ -1332,7 +1332,8 @@ def digs(report):
         "rigid rod z=", "rigid rod y=")
     coarse(report, "digs_flat", flat, words, 0.21, cells=4, t_end=0.02)
     for name, other, settings in (
-        ("early", deck, {"t_end": 0.003}), ("elastic", deck.replace("al j2", "al elastic").replace(" yield=400", ""), {}),
+        ("early", deck, {"t_end": 0.003}),
+        ("elastic", deck.replace("al j2", "al elastic").replace(" yield=400", ""), {}),
         ("soft", deck.replace("yield=400", "yield=1"), {}),
         ("wide", deck.replace("upper=(48,0)", "upper=(5,0)").replace("r=0:48", "r=0:5"), {}),
     ):

@@ -1,4 +1,4 @@
-"""Total Lagrangian finite elements in plane strain: the reference for bodies that bounce and bend.
+"""Total Lagrangian finite elements in plane strain, and about an axis: the reference for bodies that bounce and bend.
 
 Four-node quadrilaterals, two by two Gauss points, lumped mass, central differences in time; the compressible
 neo-Hookean law P = mu (F - F^-T) + lambda ln J F^-T (METHOD.md, section 5). Rigid frictionless wall at x = 0,
@@ -142,6 +142,63 @@ def bounce(nodes, quads, density, young, poisson, speed, end, samples=200, stiff
         v = v + (dt if step else 0.5 * dt) * a
         x = x + dt * v
     return np.array(rows)
+
+
+class Round(Mesh):
+    """The same about the axis y = 0: y is the radius, and hoops stretch, too."""
+
+    def __init__(self, nodes, quads, density, young, poisson):
+        super().__init__(nodes, quads, density, young, poisson)
+        self.N = np.stack([0.25 * (1 + CORNERS[:, 0] * xi) * (1 + CORNERS[:, 1] * eta) for xi, eta in GAUSS])
+        self.R = np.einsum("ga,ea->ge", self.N, nodes[self.quads][..., 1])
+        self.w = self.w * 2 * np.pi * self.R
+        mass = density * np.einsum("ge,ga->ea", self.w, self.N)
+        self.m = np.bincount(self.quads.ravel(), mass.ravel(), len(nodes))
+
+    def force(self, x):
+        """Internal forces of the nodes at places x, and the elastic energy."""
+        e = x[self.quads]
+        F = np.matmul(e.transpose(0, 2, 1)[None], self.B)
+        hoop = np.einsum("ga,ea->ge", self.N, e[..., 1]) / self.R
+        area = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
+        log = np.log(area * hoop)
+        inverse = np.empty_like(F)                                   # F^-T in the plane
+        inverse[..., 0, 0], inverse[..., 1, 1] = F[..., 1, 1] / area, F[..., 0, 0] / area
+        inverse[..., 0, 1], inverse[..., 1, 0] = -F[..., 1, 0] / area, -F[..., 0, 1] / area
+        pressed = self.lam * log - self.mu
+        P = self.mu * F + pressed[..., None, None] * inverse
+        f = -np.matmul(self.B, (P * self.w[..., None, None]).transpose(0, 1, 3, 2)).sum(0)
+        around = (self.mu * hoop + pressed / hoop) * self.w / self.R
+        f[..., 1] -= np.einsum("ga,ge->ea", self.N, around)
+        square = (F * F).sum((2, 3)) + hoop**2 - 3
+        energy = self.w * (0.5 * self.mu * (square - 2 * log) + 0.5 * self.lam * log**2)
+        flat, f = self.quads.ravel(), f.reshape(-1, 2)
+        return np.column_stack([np.bincount(flat, f[:, k], len(x)) for k in range(2)]), energy.sum()
+
+
+def ball_depth(divisions, poisson, speed, stiffness=9.0):
+    """How far the centre of mass of a ball (radius, density and Young's modulus 1) goes on after it has touched a rigid
+    frictionless wall, and how deep it has got into the wall's springs by then."""
+    nodes, quads = disk(-1.0, 1.0, divisions)
+    mesh = Round(nodes, quads, 1.0, 1.0, poisson)
+    x, v = nodes.copy(), np.zeros_like(nodes)
+    v[:, 0] = speed
+    axis = np.abs(nodes[:, 1]) < 1e-9
+    spring = stiffness * mesh.m * (mesh.speed / mesh.side) ** 2
+    total = mesh.m.sum()
+    start, depth, into = mesh.m @ x[:, 0] / total, 0.0, 0.0
+    while True:
+        f, _ = mesh.force(x)
+        sunk = np.maximum(x[:, 0], 0)
+        f[:, 0] -= spring * sunk
+        a = f / mesh.m[:, None]
+        a[axis, 1] = 0
+        v = v + mesh.dt * a
+        x = x + mesh.dt * v
+        now = mesh.m @ x[:, 0] / total - start
+        if now < depth:
+            return depth, into
+        depth, into = now, sunk.max()
 
 
 class Yielding(Mesh):
