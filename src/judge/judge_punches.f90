@@ -3,7 +3,7 @@
 !!
 !! Contact acts at nodes, and a node at the edge of the face stands for half a cell beyond it: the
 !! face acts as if it were wider by half a cell and more at each edge. Strips on clay, 4 to 24 cells
-!! wide, bear up to 0.9/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
+!! wide, bear up to 1/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
 !! of the random scenes).
 module sgmp_judge_punches
   use sgmp_constitutive, only: law_bends, law_is_spherical, law_is_springy, law_wave_modulus
@@ -23,7 +23,7 @@ module sgmp_judge_punches
   private
   public :: judge_punches
 
-  real(dp), parameter :: edge_cells = 0.9_dp     !! by which an edge acts too far outside
+  real(dp), parameter :: edge_cells = 1.0_dp     !! by which an edge acts too far outside
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
   real(dp), parameter :: straight = 0.9_dp       !! part of the impulse that is across the face
   real(dp), parameter :: stiffer = 5.0_dp        !! moduli of plane waves, of what digs in
