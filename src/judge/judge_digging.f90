@@ -7,7 +7,7 @@
 !! converge (sgmp; gimp and mpm likewise), half as much in the plane. Of the resistance that is the
 !! part by strength, some five times the yield stress; what a jet meets is inertia. What is not held
 !! loses depth: an ogive that is shot into aluminium 21 and 8 % with 8 and 16 cells, a long rod that
-!! flows itself 24 and 9 %. Where metal fails the way is judged by judge_projectiles, at flat faces
+!! flows itself 21 and 5 %. Where metal fails the way is judged by judge_projectiles, at flat faces
 !! that press on it by judge_punches.
 module sgmp_judge_digging
   use sgmp_body, only: body_t

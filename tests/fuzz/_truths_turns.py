@@ -143,7 +143,7 @@ output csv at=end fields=velocity,mass,body
         return [("velocity", (along - self.way)/self.way, 0.05), ("spin", (-spin - self.turn)/self.way, 0.1)]
 
 
-# Depth of a ball that bounces, over Hertz's, by speed and Poisson's ratio: finite elements (verification/surfaces/balls.py)
+# Depth of a ball that bounces, over Hertz's, by speed and Poisson's ratio: verification/surfaces/balls.py
 BALL_DEPTH = {(0.01, 0.0): 0.958, (0.01, 0.3): 0.940, (0.03, 0.0): 0.923, (0.03, 0.3): 0.902}
 
 
