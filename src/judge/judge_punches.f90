@@ -5,6 +5,9 @@
 !! face acts as if it were wider by half a cell and more at each edge. Strips on clay, 4 to 24 cells
 !! wide, bear up to 1/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
 !! of the random scenes).
+!!
+!! So it does below what stands on a body that is held: a block of n cells of height has 0.2/n (along
+!! the grid) to 0.47/n (aslant) too much stress by its own weight (class Sit).
 module sgmp_judge_punches
   use sgmp_constitutive, only: law_bends, law_is_spherical, law_is_springy, law_wave_modulus
   use sgmp_expression, only: expression_t
@@ -21,10 +24,12 @@ module sgmp_judge_punches
   use sgmp_turn, only: turn_direction, turn_inverse, turn_same
   implicit none
   private
-  public :: judge_punches
+  public :: judge_punches, judge_standing
 
   real(dp), parameter :: edge_cells = 1.0_dp     !! by which an edge acts too far outside
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
+  real(dp), parameter :: stand_cells = 0.47_dp, few_high = 5.0_dp
+  real(dp), parameter :: carried = 0.5_dp        !! part of its weight all the time
   real(dp), parameter :: straight = 0.9_dp       !! part of the impulse that is across the face
   real(dp), parameter :: stiffer = 5.0_dp        !! moduli of plane waves, of what digs in
   real(dp), parameter :: least_step = 1.0_dp     !! cells from an edge to where the other body ends
@@ -59,6 +64,33 @@ contains
       end associate
     end do
   end subroutine judge_punches
+
+  !> Blocks of few cells that stand on a body that is held.
+  subroutine judge_standing(opinion, scene, model)
+    type(opinion_t), intent(inout) :: opinion
+    type(scene_t), intent(in) :: scene
+    type(model_t), intent(in) :: model
+    real(dp) :: high, weight
+    integer :: p, b
+    if (model%mesh%ndim == 1) return
+    do p = 1, size(model%contact%pairs)
+      associate (pair => model%contact%pairs(p))
+        if (any(pair%body > size(scene%bodies)) .or. count(pair%held) /= 1) cycle
+        b = pair%body(findloc(pair%held, .false., dim=1))
+        weight = norm2(scene%gravity)*model%totals%bodies(b)%mass*model%clock%time
+        if (.not. weight > 0.0_dp .or. norm2(pair%impulse) < carried*weight) cycle
+        if (law_is_spherical(model%bodies(b)%law) .or. &
+            .not. is_flat(scene%bodies(b), model%mesh, meetings_push(model, pair))) cycle
+        high = length_along(scene%bodies(b)%shapes, model%mesh, meetings_push(model, pair))
+        if (high >= few_high) cycle
+        call opinion%expect(stand_cells/high, "body '"//trim(model%bodies(b)%name)// &
+                            "', which stands on another, is "//real_text_about(high)//' cells '// &
+                            'high: contact acts up to half a cell below it, and its weight '// &
+                            'makes too much stress; use smaller cells')
+        return
+      end associate
+    end do
+  end subroutine judge_standing
 
   !> Whether a stiff body presses on one that yields, both at rest at first: where they are shot at
   !! each other more than edges matters.

@@ -18,7 +18,7 @@ module sgmp_verdict
   use sgmp_judge_fronts, only: judge_fronts
   use sgmp_judge_gases, only: judge_bubbles, judge_charges, judge_cushions, judge_mines
   use sgmp_judge_heat, only: judge_heat
-  use sgmp_judge_punches, only: judge_punches
+  use sgmp_judge_punches, only: judge_punches, judge_standing
   use sgmp_judge_pushed, only: judge_pushed
   use sgmp_judge_rolling, only: judge_rolling
   use sgmp_judge_shocks, only: judge_shocks
@@ -116,6 +116,7 @@ contains
     call judge_collisions(self%opinion, scene, model)
     call judge_projectiles(self%opinion, scene, model)
     call judge_punches(self%opinion, scene, model)
+    call judge_standing(self%opinion, scene, model)
     call judge_digging(self%opinion, scene, model)
     call judge_entries(self%opinion, scene, model)
     call judge_rolling(self%opinion, scene, model)

@@ -551,6 +551,7 @@ def criteria(report):
     flash(report)
     vacuum(report)
     punches(report)
+    stands(report)
     digs(report)
     entries(report)
     shocks(report)
@@ -1312,6 +1313,36 @@ def punches(report):
     coarse(report, "footing_stiff", stiff, "whose edges act half a cell too far outside", 0.1)
     covers = run("footing_covers", FOOTING.replace("upper=(0.5,2.2)", "upper=(4,2.2)"))
     report.check(not any("edges" in why for why in covers["verdict_reasons"]), f"footing_covers: {covers.text}")
+
+
+def stands(report):
+    """A block of four cells on a rigid incline: the mean stress across it is half of what its weight makes at its foot,
+    and a tenth more with few cells."""
+    deck = """
+parameter n = 4
+dimension 2
+grid cell=1/n
+method sgmp
+time end=12 cfl=0.5
+damping rate=1
+gravity (sin(34.17*pi/180),-cos(34.17*pi/180))
+material m elastic density=1 young=1e3 poisson=0.3
+body plate block material=m lower=(-1,-0.5) upper=(3,0) ppc=2 rotation=34.17
+body block block material=m lower=(0,0) upper=(2,1) ppc=2 rotation=34.17
+rigid plate
+contact block plate friction=0.6
+output csv at=end fields=stress,body
+"""
+    c, s = math.cos(math.radians(34.17)), math.sin(math.radians(34.17))
+    words = "which stands on another, is 4 cells high"
+    for n in (4, 6):
+        result = coarse(report, "stands_4", deck, words, 0.11) if n == 4 else run("stands_6", deck, n=6)
+        rows = [row for row in result.table("particles_end.csv") if row["body"] == 2]
+        across = sum(row["stress_xx"]*s*s - 2*row["stress_xy"]*s*c + row["stress_yy"]*c*c for row in rows)/len(rows)
+        told = 0.4/n + 0.02
+        report.check(abs(-across/0.5 - 1) < told, f"stands_{n}: {across}, not -0.5, {told}")
+    report.check(not any("stands on" in why for why in result["verdict_reasons"]),
+                 f"stands_6: {result['verdict_reasons']}")
 
 
 def digs(report):
