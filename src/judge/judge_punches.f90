@@ -6,8 +6,8 @@
 !! wide, bear up to 1/n for each edge more than (2 + pi) c, n cells across (Prandtl; class Footing
 !! of the random scenes).
 !!
-!! So it does below what stands on a body that is held: a block of n cells of height has 0.2/n (along
-!! the grid) to 0.47/n (aslant) too much stress by its own weight (class Sit).
+!! So it does below what stands on a body that is held: a block of n cells of height has 0.2/n
+!! (along the grid) to 0.47/n (aslant) too much stress by its own weight (class Sit).
 module sgmp_judge_punches
   use sgmp_constitutive, only: law_bends, law_is_spherical, law_is_springy, law_wave_modulus
   use sgmp_expression, only: expression_t
