@@ -11,20 +11,16 @@
 !! that press on it by judge_punches.
 module sgmp_judge_digging
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_is_spherical, law_yield_stress, material_j2, &
-                               material_johnson_cook, material_steinberg_guinan, &
-                               material_zerilli_armstrong
+  use sgmp_constitutive, only: law_is_metal, law_is_spherical, law_yield_stress
   use sgmp_fast_scenes, only: speed_at_start
   use sgmp_judge_collisions, only: projectile_fastest
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_meetings, only: meetings_push
-  use sgmp_mesh, only: mesh_t
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
   use sgmp_opinion, only: opinion_t
   use sgmp_scene, only: scene_t
   use sgmp_shapes, only: shapes_box
-  use sgmp_space, only: space_axisymmetric
   use sgmp_tally, only: tally_add, tally_reset, tally_t, tally_total
   use sgmp_text, only: real_text_about
   use sgmp_thickness, only: body_thickness
@@ -51,8 +47,9 @@ contains
     type(model_t), intent(in) :: model
     character(:), allocatable :: text
     real(dp) :: cells, error
-    integer :: p, side, b, t
+    integer :: p, side, b, t, axes
     if (model%mesh%ndim == 1) return
+    axes = merge(3, model%mesh%ndim, scene%axisymmetric)
     do p = 1, size(model%contact%pairs)
       associate (pair => model%contact%pairs(p))
         if (.not. norm2(pair%impulse) > 0.0_dp .or. any(pair%body > size(scene%bodies))) cycle
@@ -62,10 +59,12 @@ contains
           if (.not. may_dig(scene, model, b, t, meetings_push(model, pair))) cycle
           cells = body_thickness(scene%bodies(b)%shapes, model%mesh)
           error = force_error(scene, model, b, t, cells)
-          if (.not. pair%held(side)) error = error/(1.0_dp + error)
+          if (.not. pair%held(side) .or. model%bodies(b)%rigid_motion%free) then
+            error = error/(1.0_dp + error)
+          end if
           if (error < least_told) cycle
           if (flown_volume(model%bodies(t), model%mesh%ndim) < &
-              deep*(cells*model%mesh%h)**merge(2, 3, is_plane(model%mesh))) cycle
+              deep*(cells*model%mesh%h)**axes) cycle
           text = "body '"//trim(model%bodies(b)%name)//"', "//real_text_about(cells)// &
                  " cells across, has made its way into '"//trim(model%bodies(t)%name)// &
                  "', which flows around it as around a body that is a cell wider on each "// &
@@ -95,14 +94,8 @@ contains
     strength = resistance*law_yield_stress(model%bodies(t)%law, flown)
     inertia = 0.5_dp*model%bodies(t)%law%density*(slower*speed)**2
     error = weight*cells**power*strength/max(strength + inertia, tiny(1.0_dp))
-    if (is_plane(model%mesh)) error = plane_part*error
+    if (n == 2 .and. .not. scene%axisymmetric) error = plane_part*error
   end function force_error
-
-  !> Whether the scene is one in the plane.
-  pure logical function is_plane(mesh) result(yes)
-    type(mesh_t), intent(in) :: mesh
-    yes = mesh%ndim == 2 .and. mesh%space /= space_axisymmetric
-  end function is_plane
 
   !> Whether a body, solid and narrower than the other across a push, may dig into that one, a
   !! metal, no faster than a projectile does.
@@ -115,9 +108,7 @@ contains
     integer :: d, n
     n = model%mesh%ndim
     associate (law => model%bodies(t)%law)
-      yes = any(law%kind == [material_j2, material_johnson_cook, material_steinberg_guinan, &
-                             material_zerilli_armstrong]) .and. &
-            law%slots%plastic > 0 .and. .not. law%rigid .and. &
+      yes = law_is_metal(law) .and. law%slots%plastic > 0 .and. .not. law%rigid .and. &
             .not. law_is_spherical(model%bodies(b)%law)
     end associate
     if (yes) yes = allocated(scene%bodies(b)%shapes) .and. allocated(scene%bodies(t)%shapes)
@@ -126,7 +117,8 @@ contains
     if (.not. yes) return
     call shapes_box(scene%bodies(b)%shapes, own(:, 1), own(:, 2))
     call shapes_box(scene%bodies(t)%shapes, its(:, 1), its(:, 2))
-    if (model%mesh%space == space_axisymmetric) own(1, 1) = max(0.0_dp, own(1, 1))
+    if (scene%axisymmetric) own(1, 1) = max(0.0_dp, own(1, 1))
+    if (scene%axisymmetric) its(1, 1) = max(0.0_dp, its(1, 1))
     yes = .false.
     do d = 1, n
       if (abs(push(d)) > across*norm2(push)) cycle

@@ -9,8 +9,7 @@
 !!
 !! which in ordinary impacts is far below that of sound.
 module sgmp_closing
-  use sgmp_constitutive, only: constitutive_t, eos_none, material_j2, material_johnson_cook, &
-                               material_steinberg_guinan, material_zerilli_armstrong
+  use sgmp_constitutive, only: constitutive_t, eos_none, law_is_metal
   use sgmp_kinds, only: dp, lanes
   implicit none
   private
@@ -25,9 +24,7 @@ contains
   elemental function closing_solid(law) result(yes)
     type(constitutive_t), intent(in) :: law
     logical :: yes
-    yes = law%eos /= eos_none .and. .not. law%rigid .and. &
-          (law%kind == material_j2 .or. law%kind == material_johnson_cook .or. &
-           law%kind == material_steinberg_guinan .or. law%kind == material_zerilli_armstrong)
+    yes = law%eos /= eos_none .and. .not. law%rigid .and. law_is_metal(law)
   end function closing_solid
 
   !> Part of a Courant step that the first step of a run takes: before it nobody knows how fast

@@ -75,7 +75,8 @@ module sgmp_constitutive
             law_widest_band, law_yield_stress
   public :: eos_keys, eos_lanes, eos_linear, eos_read, eos_state, eos_terms
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
-  public :: law_bends, law_by_cells, law_gaseous, law_is_spherical, law_is_springy, law_liquid
+  public :: law_bends, law_by_cells, law_gaseous, law_is_metal, law_is_spherical, law_is_springy, &
+            law_liquid
   public :: law_may_tear, law_sound, law_tear, law_tears, law_wave_modulus
   public :: law_cavitate, law_first_pressure, law_may_cavitate, law_may_shock, law_spread_shocks
 
@@ -882,12 +883,17 @@ contains
                                                      material_mooney_rivlin])
   end function law_is_springy
 
+  !> Whether a law is one of metals: a yield stress that does not depend on the pressure.
+  elemental logical function law_is_metal(law) result(yes)
+    type(constitutive_t), intent(in) :: law
+    yes = any(law%kind == [material_j2, material_johnson_cook, material_steinberg_guinan, &
+                           material_zerilli_armstrong])
+  end function law_is_metal
+
   !> Whether a metal with an equation of state has nobody who says when it fails, and goes.
   elemental logical function law_may_tear(law) result(yes)
     type(constitutive_t), intent(in) :: law
-    yes = any(law%kind == [material_j2, material_johnson_cook, material_steinberg_guinan, &
-                           material_zerilli_armstrong]) .and. &
-          law%eos /= eos_none .and. eos_linear(law) .and. &
+    yes = law_is_metal(law) .and. law%eos /= eos_none .and. eos_linear(law) .and. &
           .not. (law%fails .or. law%erosion%given .or. law%porosity%porous .or. law%rigid .or. &
                  law%small_strain)
   end function law_may_tear

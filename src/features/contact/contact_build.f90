@@ -11,7 +11,8 @@ module sgmp_contact_build
   use sgmp_model, only: model_t
   use sgmp_patches, only: patch_of
   use sgmp_scene, only: body_card_t, contact_card_t, layout_file, layout_graded, scene_t
-  use sgmp_shapes, only: shape_block, surface_depth
+  use sgmp_shapes, only: shape_block, shape_cylinder, shapes_box, surface_depth
+  use sgmp_space, only: space_axisymmetric
   use sgmp_surface_particles, only: surface_covered
   use sgmp_turn, only: turn_back, turn_same
   implicit none
@@ -342,8 +343,9 @@ contains
               model%bodies%field /= field)
   end function is_liquid
 
-  !> How far outside of a body that is held nodes are in contact: where it is a block, and covers
-  !! the other, a block, too, which has no body beside it in its field.
+  !> How far outside of a body that is held nodes are in contact: where it is a block, about the
+  !! axis a cylinder, too, and covers the other, another such, which has no body beside it in its
+  !! field.
   pure function reach_of(scene, model, pair) result(reach)
     type(scene_t), intent(in) :: scene
     type(model_t), intent(in) :: model
@@ -358,7 +360,8 @@ contains
         if (count(model%bodies%field == pair%field(side)) /= 1) return
         if (.not. allocated(card%shapes)) return
         if (size(card%shapes) /= 1) return
-        if (card%shapes(1)%kind /= shape_block) return
+        if (card%shapes(1)%kind /= shape_block .and. &
+            .not. (scene%axisymmetric .and. card%shapes(1)%kind == shape_cylinder)) return
       end associate
     end do
     b = findloc(pair%held, .true., dim=1)
@@ -373,11 +376,17 @@ contains
     type(mesh_t), intent(in) :: mesh
     logical :: yes
     logical, dimension(mesh%ndim) :: apart, within
-    real(dp) :: slack
+    real(dp) :: own(3, 2), its(3, 2), slack
     slack = 0.01_dp*mesh%h
-    associate (own => card%shapes(1), its => other%shapes(1), n => mesh%ndim)
-      apart = own%lower(:n) > its%upper(:n) - slack .or. own%upper(:n) < its%lower(:n) + slack
-      within = own%lower(:n) < its%lower(:n) + slack .and. own%upper(:n) > its%upper(:n) - slack
+    call shapes_box(card%shapes, own(:, 1), own(:, 2))
+    call shapes_box(other%shapes, its(:, 1), its(:, 2))
+    if (mesh%space == space_axisymmetric) then  ! nothing is on the other side of the axis
+      own(1, 1) = max(0.0_dp, own(1, 1))
+      its(1, 1) = max(0.0_dp, its(1, 1))
+    end if
+    associate (n => mesh%ndim)
+      apart = own(:n, 1) > its(:n, 2) - slack .or. own(:n, 2) < its(:n, 1) + slack
+      within = own(:n, 1) < its(:n, 1) + slack .and. own(:n, 2) > its(:n, 2) - slack
     end associate
     yes = turn_same(card%turn, other%turn) .and. count(apart) == 1 .and. all(apart .or. within)
   end function covers
