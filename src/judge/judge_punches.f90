@@ -7,7 +7,7 @@
 !! of the random scenes).
 !!
 !! So it does below what stands on a body that is held: a block of n cells of height has up to
-!! 0.47/n too much stress by its weight (class Sit), along the grid 0.3/n where its foot is on nodes,
+!! 0.47/n too much stress by its weight (class Sit), along the grid 0.3/n with its foot on nodes,
 !! 1/n where they lie half a cell below it; from there on nodes inside act, and it has 0.4/n too
 !! little (4, 8, 16 cells in the plane and about the axis, deck `FOOT` of verdict.py).
 module sgmp_judge_punches

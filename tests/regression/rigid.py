@@ -339,7 +339,10 @@ def sits(report):
         work = 2*(first["y"] - last["y"])
         done = result.table("history.csv")[-1]["external_work"]
         report.check(abs(done/work - 1) < 0.03, f"{name}: gravity did {done}, the block sank by the work of {work}")
-        report.check(result["verdict"] == "sound", f"{name}: {result['verdict_reasons']}")
+        # above nodes that act the whole of it bears too much, too (verdict.py, `stands`)
+        told = all("stands on another" in why for why in result["verdict_reasons"])
+        report.check(told and (result["verdict"] == "coarse") == (shift in (0.25, 0.5)),
+                     f"{name}: {result['verdict_reasons']}")
 
 
 def topples(report):
