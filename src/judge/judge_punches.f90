@@ -7,7 +7,7 @@
 !! of the random scenes).
 !!
 !! So it does below what stands on a body that is held: a block of n cells of height has up to
-!! 0.47/n too much stress by its weight (class Sit), along the grid 0.3/n with its foot on nodes,
+!! 2.3/n^2 too much stress by its weight (class Sit), along the grid 0.3/n with its foot on nodes,
 !! 1/n where they lie half a cell below it; from there on nodes inside act, and it has 0.4/n too
 !! little (4, 8, 16 cells in the plane and about the axis, deck `FOOT` of verdict.py).
 module sgmp_judge_punches
@@ -30,9 +30,9 @@ module sgmp_judge_punches
 
   real(dp), parameter :: edge_cells = 1.0_dp     !! by which an edge acts too far outside
   real(dp), parameter :: least_told = 0.06_dp, least_error = 0.1_dp
-  !> Error of stress by the weight, times cells of height: aslant; along the grid on nodes, what
+  !> Error of stress by the weight, times cells of height: aslant, and their square; on nodes, what
   !! each cell to nodes below adds, and where no nodes below act; where all do, which hold a layer.
-  real(dp), parameter :: stands_aslant = 0.47_dp, stands_at = 0.3_dp, stands_above = 1.4_dp, &
+  real(dp), parameter :: stands_aslant = 2.3_dp, stands_at = 0.3_dp, stands_above = 1.4_dp, &
                          stands_within = 0.41_dp, stands_held = 1.15_dp
   real(dp), parameter :: carried = 0.5_dp        !! part of its weight all the time
   real(dp), parameter :: straight = 0.9_dp       !! part of the impulse that is across the face
@@ -88,7 +88,7 @@ contains
         if (law_is_spherical(model%bodies(b)%law) .or. &
             .not. is_flat(scene%bodies(b), model%mesh, push)) cycle
         high = length_along(scene%bodies(b)%shapes, model%mesh, push)
-        error = foot_error(scene%bodies(b), model%mesh, push, pair%reach)/high
+        error = foot_error(scene%bodies(b), model%mesh, push, pair%reach, high)/high
         if (error < least_told) cycle
         call opinion%expect(max(error, least_error), "body '"//trim(model%bodies(b)%name)//"', "// &
                             real_text_about(high)//' cells high, stands on another: contact '// &
@@ -100,17 +100,18 @@ contains
   end subroutine judge_standing
 
   !> Error of stress by the weight, times cells of height, of a body that a push holds up.
-  pure function foot_error(card, mesh, push, reach) result(error)
+  pure function foot_error(card, mesh, push, reach, high) result(error)
     type(body_card_t), intent(in) :: card
     type(mesh_t), intent(in) :: mesh
     real(dp), intent(in) :: push(3)
     real(dp), intent(in) :: reach                !! below the foot, within which nodes act (cells)
+    real(dp), intent(in) :: high                 !! cells of height
     real(dp) :: error, box(3, 2), below
     integer :: a
     error = stands_held
     if (reach >= huge(1.0_dp)) return
     a = maxloc(abs(push(:mesh%ndim)), dim=1)
-    error = stands_aslant
+    error = stands_aslant/high
     if (abs(push(a)) < straight*norm2(push) .or. mesh%graded .or. turn_turns(card%turn)) return
     call shapes_box(card%shapes, box(:, 1), box(:, 2))
     below = modulo(merge(box(a, 1), -box(a, 2), push(a) > 0.0_dp)*mesh%inverse_h, 1.0_dp)
