@@ -29,7 +29,7 @@ EXAMPLES = ("bar", "bar_rotated", "bar_stability", "beam", "energy", "tnt_slab",
             "contact_rest", "contact_scenes", "rotation", "contact_axisymmetric", "axisymmetric", "swirl", "tube",
             "noh", "sedov", "cavity", "cylinder", "blast", "blast_load", "plate_impulse", "charge_plate",
             "penetration", "perforation", "long_rod", "fluids", "flows", "hugoniot", "piston", "spall", "hypervelocity",
-            "volumes",
+            "volumes", "mass",
             "statics", "rigid", "soils", "length", "fragments")
 
 

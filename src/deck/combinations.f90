@@ -76,6 +76,7 @@ module sgmp_combinations
     feature_t('kept', 'volumes=kept', 'method', 'volumes', ask_word, 'kept', 0), &
     feature_t('rotation', 'rotation=exact', 'method', 'rotation', ask_word, 'exact', 0), &
     feature_t('surfaces', 'surfaces=corrected', 'method', 'surfaces', ask_word, 'corrected', 0), &
+    feature_t('consistent', 'mass=consistent', 'method', 'mass', ask_word, 'consistent', 0), &
     feature_t('drift', 'drift=remapped', 'method', 'drift', ask_word, 'remapped', 0), &
     feature_t('split', 'split=…', 'method', 'split', ask_above, '', 0), &
     feature_t('reference', 'frame=reference', 'method', 'frame', ask_word, 'reference', 0), &
@@ -91,6 +92,8 @@ module sgmp_combinations
     feature_t('absorbing', 'an absorbing wall', 'wall', '', ask_any, 'absorbing', 0), &
     feature_t('wallfriction', '', 'wallfriction', 'friction', ask_above, '', 0), &
     feature_t('motion', '', 'motion', '', ask_card, '', 0), &
+    feature_t('wallmotion', '', 'wallmotion', '', ask_card, '', 0), &
+    feature_t('reactions', 'reactions=yes', 'wall', 'reactions', ask_yes, '', 0), &
     feature_t('blast', '', 'blast', '', ask_card, '', 0), &
     feature_t('graded', 'a grid of unequal cells', 'grid', 'fine_x fine_y fine_z fine_r', &
               ask_given, '', 0), &
@@ -130,6 +133,25 @@ module sgmp_combinations
               'forces of edges are not spread for corrected strains: ground at rest on one '// &
               'comes apart', &
               'remove surfaces=corrected'), &
+    refusal_t('consistent', 'mpm gimp cpgimp bspline', '', &
+              'it is worked out for the means over nodes that sgmp takes', &
+              'remove mass=consistent or use method sgmp'), &
+    refusal_t('consistent', 'axisymmetric graded', '', &
+              'it is worked out for cells that are all alike', &
+              'remove mass=consistent'), &
+    refusal_t('consistent', 'flip<1 kept', '', &
+              'particles take velocities of the grid, which it sharpens', &
+              'remove mass=consistent'), &
+    refusal_t('consistent', 'absorbing wallfriction motion', '', &
+              'not worked out: forces of edges, walls and parts that are held, at single nodes', &
+              'remove mass=consistent'), &
+    refusal_t('consistent', 'wallmotion reactions', '', &
+              'not worked out: what walls bear of nodes next to those on them', &
+              'remove mass=consistent'), &
+    refusal_t('consistent', 'self', '', &
+              'along the seams between the fields of one body each would take its edge for a '// &
+              'surface', &
+              'remove one of them'), &
     refusal_t('reference', 'sgmp', '', &
               'its auxiliary grid carries symmetric stresses, and those per first area are not', &
               'use method gimp, or leave out frame=reference'), &
@@ -193,6 +215,7 @@ module sgmp_combinations
   type(caution_t), parameter :: cautions(*) = [ &
     caution_t('surfaces', 'axisymmetric'), &
     caution_t('drift', 'kept'), &
+    caution_t('consistent', 'contact split usl usf'), &
     caution_t('kept', 'cfl=auto usavg'), &
     caution_t('rotation', 'friction absorbing kept wallfriction'), &
     caution_t('normalised', 'absorbing self')]

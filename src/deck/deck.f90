@@ -35,6 +35,10 @@ module sgmp_deck
   private
   public :: deck_read
 
+  !> Courant number above which a deck that gives one by hand has lumped masses: with a consistent
+  !! one steps are stable up to 1.1 with one particle per cell, 1.8 with two (doc/mass.md).
+  real(dp), parameter :: consistent_cfl = 0.8_dp
+
 contains
 
   !> Reads and validates a deck. Where `errors%count()` is positive the scene is incomplete: do not
@@ -143,6 +147,11 @@ contains
       if (method%rotation_auto) then
         method%rotation = combinations_choose(cards, 'rotation', &
                                               beside=rubbing(scene, faultless))
+      end if
+      if (method%consistent_auto) then
+        method%consistent = combinations_choose(cards, 'consistent') .and. &
+                            .not. scene%time%dt > 0.0_dp .and. &
+                            scene%time%cfl <= consistent_cfl .and. size(scene%contacts) == 0
       end if
       if (method%normalised_auto) method%normalised = combinations_choose(cards, 'normalised')
       if (method%drift_auto) then

@@ -89,9 +89,10 @@ module sgmp_scene
     logical :: volumes_matched = .false.  !! liquids move as they are strained (sgmp)
     logical :: rotation = .false.     !! rigid rotation strains nothing (sgmp only)
     logical :: surfaces = .false.     !! strains are corrected at surfaces (sgmp only)
+    logical :: consistent = .false.   !! solids have a consistent mass (sgmp only)
     !> The program chooses (sgmp_deck).
     logical :: normalised_auto = .false., rotation_auto = .false., surfaces_auto = .false.
-    logical :: drift_auto = .false., volumes_auto = .false.
+    logical :: drift_auto = .false., volumes_auto = .false., consistent_auto = .false.
     logical :: drift_remapped = .false.  !! particles move with the velocity that strains them
     real(dp) :: hoop = axis_correction  !! correction of the hoop strain (axisymmetric)
     logical :: hoop_auto = .true.     !! liquids have that of their lattice

@@ -6,6 +6,7 @@
 !! all else both ranks work out from the moments they hold.
 module sgmp_field_rotation
   use sgmp_buffer, only: buffer_t
+  use sgmp_consistent_mass, only: consistent_masses, consistent_offsets, consistent_offsets_keep
   use sgmp_field, only: field_t
   use sgmp_halo, only: halo_get_planes, halo_planes, halo_put_nodes
   use sgmp_kinds, only: dp
@@ -34,10 +35,45 @@ contains
     real(dp), intent(in) :: cutoff               !! nodes lighter than this are ignored
     type(team_t), intent(in) :: team
     type(partition_t), intent(in) :: partition
-    call run(stage_offsets, [-2, 2], field, mesh, cutoff, no_columns, team, partition)
+    if (field%columns%consistent) then
+      call find_places(field, mesh, cutoff, team, partition)
+    else
+      call run(stage_offsets, [-2, 2], field, mesh, cutoff, no_columns, team, partition)
+    end if
     call run(stage_inertia, [-2, 1], field, mesh, cutoff, no_columns, team, partition)
     call run(stage_inverses, [-1, 1], field, mesh, cutoff, no_columns, team, partition)
   end subroutine field_rotation_prepare
+
+  !> The places of the nodes as a consistent mass has them (doc/mass.md).
+  subroutine find_places(field, mesh, cutoff, team, partition)
+    type(field_t), intent(inout) :: field
+    type(mesh_t), intent(in) :: mesh
+    real(dp), intent(in) :: cutoff
+    type(team_t), intent(in) :: team
+    type(partition_t), intent(in) :: partition
+    integer :: p, p1, p2
+    call run(stage_offsets, [-3, 3], field, mesh, cutoff, no_columns, team, partition)
+    call halo_planes(field, partition%own + [-3, partition%nodes + 3], p1, p2)
+    !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+    !$omp& default(none) shared(field, cutoff, p1, p2) private(p)
+    do p = p1, p2
+      call consistent_masses(field, p, cutoff)
+    end do
+    !$omp end parallel do
+    call halo_planes(field, partition%own + [-2, partition%nodes + 2], p1, p2)
+    !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+    !$omp& default(none) shared(field, mesh, p1, p2) private(p)
+    do p = p1, p2
+      call consistent_offsets(field, mesh, p)
+    end do
+    !$omp end parallel do
+    !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+    !$omp& default(none) shared(field, p1, p2) private(p)
+    do p = p1, p2
+      call consistent_offsets_keep(field, p)
+    end do
+    !$omp end parallel do
+  end subroutine find_places
 
   !> Couples that free the internal forces, and those on faces and of walls that let go, of their
   !! moment about the nodes' centres of mass.

@@ -25,6 +25,8 @@ module sgmp_method
     logical :: drift_remapped = .false.     !! particles move with the velocity that strains them
     logical :: drift_solids = .false.       !! of solids only whose stress is normalised
     logical :: surfaces = .false.           !! strains are corrected at surfaces
+    logical :: consistent = .false.         !! fields of solids have a consistent mass
+    logical :: consistent_springs = .false.  !! only those of what is elastic and nothing else
     logical :: swirl = .false.              !! axisymmetric: with a velocity around the axis
     real(dp) :: cutoff = 0.0_dp             !! node mass below which a node is ignored
     logical :: erodes = .false.             !! particles may be removed by their material's card

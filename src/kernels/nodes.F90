@@ -96,6 +96,10 @@ contains
             external(:n, :) = external(:n, :) + pressed(:n, :)
           end if
           f(:n, :) = f(:n, :) + external(:n, :)
+          if (field%columns%consistent .and. forced) then
+            idx = field%neighbour(0, 0, s) + first
+            field%mass%external(idx:idx + n - 1, :) = booked(:n, :)
+          end if
         end if
         if (field%columns%push > 0 .and. .not. (forced .and. field%columns%faces > 0)) then
           call press(field, mesh, s, first, n, pressed)
@@ -172,9 +176,10 @@ contains
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: plane
     type(method_t), intent(in) :: method
-    real(dp) :: m(tile), p(tile, NDIM), power(lanes)
+    real(dp) :: m(tile), p(tile, NDIM), power(lanes), unfelt
     integer :: s, first, n, idx
     power = 0.0_dp
+    unfelt = merge(0.0_dp, method%unfelt, field%columns%consistent)  ! see sgmp_mass_stages
     do s = field%plane_work(plane), field%plane_work(plane + 1) - 1
       do first = field%work%first(s), field%work%last(s), tile
         n = min(tile, field%work%last(s) - first + 1)
@@ -183,10 +188,10 @@ contains
 #ifdef AXISYMMETRIC
         call divide_radial(n, field%node(idx, node_inertia), p)
 #endif
-        if (method%unfelt > 0.0_dp) then
+        if (unfelt > 0.0_dp) then
           call book_unfelt(n, first, size(field%node, 1), p, field%node(idx, 1), power)
         end if
-        call divide_tile(n, size(field%node, 1), method%unfelt, p, field%node(idx, 1))
+        call divide_tile(n, size(field%node, 1), unfelt, p, field%node(idx, 1))
         if (field%columns%swirl > 0) call nodes_swirl_remap(field, s, first, n)
         call walls_hold(field, mesh, s, first, n, node_remapped, wall_speed)
         if (method%features%wall_friction%rubs) then
@@ -196,7 +201,7 @@ contains
                                                                  node_remapped, .false.)
       end do
     end do
-    if (method%unfelt > 0.0_dp) field%unfelt(plane) = method%unfelt*sum(power)
+    if (unfelt > 0.0_dp) field%unfelt(plane) = unfelt*sum(power)
   end subroutine nodes_remap
 
   !> v = p/m, and of what the velocity after the kick has beyond it, which no particle feels, a part

@@ -61,6 +61,7 @@ module sgmp_columns
   type :: columns_t
     logical :: corrected = .false.  !! strains are, at surfaces (doc/surfaces.md)
     logical :: turns = .false.   !! rotation is exact (doc/rotation.md)
+    logical :: consistent = .false.  !! the mass of the nodes is (doc/mass.md)
     logical :: remapped = .false.  !! particles move with the velocity that strains them (MUSL)
     integer :: pairs = 0         !! mass moments of pairs of centres, behind them those of quads
     integer :: mass = 0

@@ -13,6 +13,7 @@ module sgmp_field
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
+  use sgmp_mass_points, only: mass_points_make, mass_points_move, mass_points_t
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_pair_points, only: pair_points_clear, pair_points_make, pair_points_move, pair_points_t
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
@@ -47,6 +48,7 @@ module sgmp_field
     real(dp), allocatable :: moment(:, :)           !! (points, columns%total) sums over particles
     type(rotation_points_t) :: rotation             !! for columns%turns
     type(pair_points_t) :: pairs                    !! for columns%corrected
+    type(mass_points_t) :: mass                     !! for columns%consistent
     real(dp), allocatable :: node(:, :)             !! (points, columns%nodes) values at the nodes
     logical :: linear = .false.                     !! of unequal cells: across an axis gradients
                                                     !! read what is linear between nodes
@@ -141,6 +143,7 @@ contains
                                 field%rotation%least_offset, new%rotation)
     end if
     if (new%columns%corrected) call pair_points_make(new%space, new%points, more, new%pairs)
+    if (new%columns%consistent) call mass_points_make(new%ndim, new%points, new%mass)
     call field_clear(new)
     call field_move(field, new)
     call field_replace(new, field)
@@ -345,6 +348,7 @@ contains
     if (allocated(new%hoop)) call move_alloc(new%hoop, field%hoop)
     call rotation_points_move(new%rotation, field%rotation)
     call pair_points_move(new%pairs, field%pairs)
+    call mass_points_move(new%mass, field%mass)
   end subroutine field_replace
 
 end module sgmp_field

@@ -32,7 +32,7 @@ contains
 
   !> The widths that a method needs, and where walls allow cuts; all planes go to the first rank.
   pure subroutine partition_make(partition, mesh, kernel, normalised, divisible, rank, ranks, &
-    rotation, paired)
+    rotation, paired, consistent)
     type(partition_t), intent(out) :: partition
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: kernel            !! one of kernel_*
@@ -41,6 +41,7 @@ contains
     integer, intent(in) :: rank, ranks
     logical, intent(in), optional :: rotation  !! velocities and forces are corrected by neighbours'
     logical, intent(in), optional :: paired    !! strains and forces at centres, by neighbours'
+    logical, intent(in), optional :: consistent  !! nodes know of the places of those next to them
     logical :: turns
     integer :: more, r
     turns = .false.
@@ -60,6 +61,9 @@ contains
     if (present(paired)) then
       ! The force at a node takes stresses up to two cells from the centres around it.
       if (paired) partition%moments = partition%moments + [1, merge(0, 1, turns)]
+    end if
+    if (present(consistent)) then
+      if (consistent .and. turns) partition%moments = partition%moments + 1
     end if
     partition%bins = partition%moments + [stencil_width(kernel) - 1, 0]
     partition%least = max(partition%bins(1), partition%bins(2)) + 1

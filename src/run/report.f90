@@ -312,6 +312,8 @@ contains
                                             any(model%fields%columns%turns))))
     call summary%set('surfaces', trim(merge('corrected', 'plain    ', &
                                             any(model%fields%columns%corrected))))
+    call summary%set('mass', trim(merge('consistent', 'lumped    ', &
+                                        any(model%fields%columns%consistent))))
     call summary%set('volumes', volumes_word(model))
     call summary%set('drift', trim(merge('remapped', 'plain   ', &
                                          any(model%fields%columns%remapped))))

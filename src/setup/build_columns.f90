@@ -5,13 +5,15 @@ module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_averaging, only: averaging_sums
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
-  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_liquid
+  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_is_springy, &
+                                   law_liquid
   use sgmp_debris, only: debris_possible
   use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
   use sgmp_kernels, only: kernel_centred
   use sgmp_kinds, only: dp
   use sgmp_loads_columns, only: loads_ask, loads_ask_faces
+  use sgmp_method, only: method_t
   use sgmp_model, only: model_t
   use sgmp_one_sided_columns, only: one_sided_ask
   use sgmp_surface_columns, only: pairs_ask, room_ask, surfaces_ask, surfaces_ask_faces
@@ -26,6 +28,8 @@ module sgmp_build_columns
     logical :: solid = .false.
     logical :: bends = .false.      !! solids that are no soils
     logical :: flows = .false.      !! liquids
+    logical :: flowing = .false.    !! fluids, explosives, soils
+    logical :: yields = .false.     !! what is not elastic alone
     logical :: crumbles = .false.   !! what can come apart
     logical :: averages = .false.   !! what averages its plastic strain
   end type matter_t
@@ -59,6 +63,7 @@ contains
       if (corrected) call surfaces_ask(columns, ndim)
       if (matter%crumbles .and. (corrected .or. turns .or. normalised)) call room_ask(columns)
       columns%turns = turns
+      columns%consistent = takes_consistent(method, matter)
       columns%remapped = applies(method%drift_remapped, method%drift_solids, solid .and. normalised)
       if (method%swirl) call swirl_ask(columns)
       call ask_forces(model, columns)
@@ -85,6 +90,8 @@ contains
     matter%solid = any(moves .and. .not. law_is_spherical(laws))
     matter%bends = any(moves .and. law_bends(laws))
     matter%flows = any(moves .and. law_liquid(laws))
+    matter%flowing = any(moves .and. .not. law_bends(laws))
+    matter%yields = any(moves .and. .not. law_is_springy(laws))
     matter%crumbles = any(moves .and. debris_possible(laws))
     matter%averages = any(moves .and. laws%history%averaged)
   end function matter_of
@@ -94,6 +101,14 @@ contains
     logical, intent(in) :: used, solids_only, solid
     yes = used .and. (solid .or. .not. solids_only)
   end function applies
+
+  !> Whether the mass of the nodes of a field is consistent.
+  pure logical function takes_consistent(method, matter) result(yes)
+    type(method_t), intent(in) :: method
+    type(matter_t), intent(in) :: matter
+    yes = method%consistent .and. matter%solid .and. .not. (matter%flowing .or. matter%crumbles)
+    if (method%consistent_springs) yes = yes .and. .not. matter%yields
+  end function takes_consistent
 
   !> What forces from outside need that particles bring.
   pure subroutine ask_forces(model, columns)

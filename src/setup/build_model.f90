@@ -104,7 +104,7 @@ contains
     allocate (model%bodies(count(twin_of >= 0)), model%totals%bodies(count(twin_of >= 0)))
     call partition_make(model%ranks%partition, model%mesh, kernel, model%method%normalised, &
                         model%mesh%ndim > 1, parallel_rank(), parallel_ranks(), &
-                        model%method%rotation, model%method%surfaces)
+                        model%method%rotation, model%method%surfaces, model%method%consistent)
     if (seeded) then
       call partition_first(scene, model, kernel, surveys, error)
       if (allocated(error)) return
@@ -190,6 +190,8 @@ contains
     method%rotation = scene%method%rotation .and. scene%dimension > 1  ! a line has none
     method%rubs_at_surface = method%rotation .and. .not. scene%swirl  ! its levers lie in the plane
     method%surfaces = scene%method%surfaces .and. scene%dimension > 1
+    method%consistent = scene%method%consistent
+    method%consistent_springs = scene%method%consistent_auto
     method%normalised_solids = scene%method%normalised_auto
     method%rotation_solids = scene%method%rotation_auto
     method%surfaces_solids = scene%method%surfaces_auto

@@ -5,7 +5,8 @@
 !! the grid and S their consistent mass: the nodal acceleration goes to the particles and back (S)
 !! before the strain reads it, a leapfrog that is stable up to dt^2 largest(A) = 4. USL strains with
 !! the velocity before that smoothing: A = M^-1 K, and modes that the smoothing takes away
-!! altogether are stable up to dt^2 largest(A) = 2 only. Derivation: doc/time-step.md.
+!! altogether are stable up to dt^2 largest(A) = 2 only. A consistent mass (doc/mass.md) has another
+!! inverse in the place of M^-1. Derivation: doc/time-step.md.
 !!
 !! A is applied by the sweeps of the step itself (`plan_t%probe`), so it knows walls, free surfaces,
 !! the particles' layout and the method. Every particle is given the same wave speed, the largest,
@@ -21,6 +22,7 @@ module sgmp_stability
   use sgmp_halo, only: halo_own_planes
   use sgmp_kernels, only: stencil_reach
   use sgmp_kinds, only: dp, i8
+  use sgmp_mass_stages, only: mass_spread
   use sgmp_mesh, only: wall_kick
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
@@ -138,7 +140,11 @@ contains
     integer :: f, n
     n = model%mesh%ndim
     call vector_get(model, force)
-    if (smoothing) call smooth(model)
+    call mass_spread(model)
+    if (smoothing) then
+      call smooth(model)
+      call mass_spread(model)
+    end if
     alpha = mass_product(model, force)/beta**2
     do f = 1, size(model%fields)
       associate (next => model%fields(f)%node(:, :n))

@@ -8,17 +8,18 @@
 !!   before the run    columns             splitting
 !!                     terms               all that change the energy after the kick
 !!   start             open                bodies that are removed, driven parts, rotation, surfaces
-!!   stress first      project             walls that rub
+!!   stress first      project             walls that rub, consistent mass
 !!                     meet                contact
 !!                     strain_velocity     contact
 !!                     place               rotation
 !!   momentum          before_solve        damping (stress first), normalised stress, rigid bodies,
 !!                                         driven parts, walls
+!!                     solved              consistent mass
 !!                     meet                contact
-!!                     forces              free rigid bodies, contact
+!!                     forces              free rigid bodies, contact, consistent mass
 !!                     place               rotation
 !!                     after_solve         walls that move, reactions of walls, debris
-!!   re-map            strain_velocity     contact
+!!   re-map            strain_velocity     consistent mass, contact
 !!                     place               rotation
 !!                     after_remap         rotation, kept volumes
 !!   sweeps            plan                kept volumes
@@ -43,6 +44,7 @@ module sgmp_stages
   use sgmp_features, only: features_t
   use sgmp_kinds, only: dp
   use sgmp_loss_account, only: loss_account
+  use sgmp_mass_stages, only: mass_project, mass_remap, mass_solve, mass_strain
   use sgmp_mesh, only: wall_speed
   use sgmp_method, only: method_t
   use sgmp_model, only: model_t
@@ -75,7 +77,7 @@ module sgmp_stages
   public :: stage_after_remap, stage_after_solve, stage_before_solve, stage_brings_stress, &
             stage_close, stage_columns, stage_finish, stage_forces, stage_guard, &
             stage_meet, stage_objection, stage_open, stage_place, stage_plan, stage_project, &
-            stage_strain_velocity, stage_sweep, stage_terms
+            stage_solved, stage_strain_velocity, stage_sweep, stage_terms
 
 contains
 
@@ -142,6 +144,7 @@ contains
         call phase_velocity(model%method, mesh, fields, bodies, team, model%ranks%partition)
       end if
     end associate
+    call mass_project(model)
   end subroutine stage_project
 
   !> Before the momentum equation: the nodes hold mass, momentum and stress. What is prescribed for
@@ -162,6 +165,14 @@ contains
                                            dt_kick)
     end associate
   end subroutine stage_before_solve
+
+  !> The nodes hold acceleration and trial velocity of the momentum equation, every field as if it
+  !! were alone.
+  subroutine stage_solved(model, dt_kick)
+    type(model_t), intent(inout) :: model
+    real(dp), intent(in) :: dt_kick              !! velocity step
+    call mass_solve(model, dt_kick)
+  end subroutine stage_solved
 
   !> Where bodies meet: once a step, before the first velocity that has to obey it.
   subroutine stage_meet(model)
@@ -190,6 +201,7 @@ contains
       call phase_contact_force(contact_step(model), mesh, fields, bodies, contact, threads, &
                                model%ranks, model%findings, model%timers)
     end associate
+    call mass_strain(model)
   end subroutine stage_forces
 
   !> Nodal velocities, each from a column on, as they are at the places of the nodes: by the curl of
@@ -246,6 +258,7 @@ contains
   subroutine stage_strain_velocity(model, before_kick)
     type(model_t), intent(inout) :: model
     logical, intent(in) :: before_kick
+    if (.not. before_kick) call mass_remap(model)
     if (free_any(model%bodies)) then
       call free_strain(contact_step(model), model%mesh, model%fields, model%bodies, &
                        model%contact, &

@@ -17,7 +17,7 @@ module sgmp_step
   use sgmp_stages, only: stage_after_remap, stage_after_solve, stage_before_solve, &
                          stage_brings_stress, stage_close, stage_finish, stage_forces, &
                          stage_meet, stage_open, stage_place, stage_project, &
-                         stage_strain_velocity, stage_sweep
+                         stage_solved, stage_strain_velocity, stage_sweep
   use sgmp_time_step, only: clock_kick_step
   use sgmp_timers, only: phase_drift, phase_grid, phase_halo, phase_kick, phase_rebin, &
                          timers_move, timers_stop, wall_time
@@ -131,6 +131,7 @@ contains
     call stage_before_solve(model, dt_kick)
     call phase_solve(model%method, dt_kick, model%mesh, model%fields, model%bodies, model%team, &
                      model%ranks%partition, model%findings%tally)
+    call stage_solved(model, dt_kick)
     if (.not. strains_before(model)) call stage_meet(model)
     call stage_forces(model)
     ! Where a sweep of its own moves the particles the velocity waits for it: see remap.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, drift,
+"""What goes with what: `sgmp --check` of all combinations of method, update, stress, volumes, rotation, mass, drift,
 splitting, flip and space against the table that `sgmp help --json` writes. Each is accepted where the table names no
 refusal, and refused with the reasons of the table and nothing else where it does.
 
@@ -20,13 +20,14 @@ from _driver import Driver, Findings, arguments
 SPACES = ("1D", "2D", "3D", "axisymmetric", "swirl")
 CHOICES = (
     ("mpm", "gimp", "cpgimp", "sgmp", "bspline"), ("musl", "usf", "usl", "usavg"), ("", "normalised"), ("", "kept"),
-    ("", "rotation"), ("", "drift"), ("", "split"), ("", "flip<1"), SPACES,
+    ("", "rotation"), ("", "consistent"), ("", "drift"), ("", "split"), ("", "flip<1"), SPACES,
 )
-ACCEPTED = 984
+ACCEPTED = 1128
 WORDS = {
     "normalised": "stress=normalised",
     "kept": "volumes=kept",
     "rotation": "rotation=exact",
+    "consistent": "mass=consistent",
     "drift": "drift=remapped",
     "split": "split=0.75",
     "flip<1": "flip=0.9",

@@ -10,8 +10,8 @@ from 160000000 on concrete; of those from 200000000 on what is in _laws.py: tabl
 damage that knows the stress, flaws, averaged strain; of those from 240000000 on bodies that may touch themselves, all
 of which are too small to do so, and nine of ten scenes that may have grids with unequal cells; of those from 280000000
 on what turns about the axis and is rubbed, driven or read from the grid, walls that move beside damping, Gauss points
-of unequal cells, erosion by the step with any update. Each is run with one and two threads, on two ranks and from a
-checkpoint; then
+of unequal cells, erosion by the step with any update; of those from 299000000 on the mass of the nodes. Each is run
+with one and two threads, on two ranks and from a checkpoint; then
 
 * the same exit code, bits, histories and verdict in all of them;
 * exit code 0, or 4 with a failure in words; never a crash or a hang;
@@ -49,6 +49,7 @@ FURTHER = 120000000                   # and below these nothing of _further.py
 CONCRETE = 160000000                  # and below these no concrete
 LAWS = 200000000                      # and below these nothing of _laws.py
 GRADED = 240000000                    # and below these cells are equal, and no body touches itself
+MASSES = 299000000                    # and below these nothing about the mass of the nodes
 JOINED = 280000000                    # and below these some features that go together are not drawn together
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1",
@@ -121,8 +122,19 @@ class Scene:
             self.lines = newest.keyed(self.stream("keys"), self.lines, self.axes, self.joined)
             self.lines += newest.further_cards(self.stream("cards"), self.lines, self.axes,
                                                [block.lower for block in self.deforming.values()])
-        if seed >= GRADED:
+        if seed >= GRADED and not (seed >= MASSES and self.stream("equal cells").random() < 0.7):
             self.grade()
+        if seed >= MASSES:
+            self.weigh()
+
+    def weigh(self):
+        """A consistent mass, where nothing of the scene forbids it (doc/mass.md)."""
+        text = "\n".join(self.lines)
+        if self.method != "sgmp" or self.axisymmetric or re.search(
+                r"^wallfriction |^motion | flip=| volumes=kept|=absorbing| fine_[xyz]=| self=yes", text, re.MULTILINE):
+            return
+        mass = self.stream("mass").choice((" mass=consistent", " mass=consistent", " mass=lumped", ""))
+        self.lines = [line + mass if line.startswith("method ") else line for line in self.lines]
 
     def grade(self):
         """Unequal cells, where nothing of the scene forbids them (doc/grids.md, 6). Bodies have particles of half a

@@ -17,9 +17,9 @@ def growth(result):
 
 def bar(report):
     """The driven bar: quiet with auto, not quiet beyond the limit."""
-    for method, update in PAIRS:
-        name = f"bar_{method}_{update}"
-        settings = {"method": method, "update": update, "t_end": 0.01}
+    for method, update, mass in [(*pair, "lumped") for pair in PAIRS] + [("sgmp", "musl", "consistent")]:
+        name = f"bar_{method}_{update}_{mass}"
+        settings = {"method": method, "update": update, "mass": mass, "t_end": 0.01}
         quiet = run(name, "bar_stability.inp", cfl="auto", **settings)
         if not report.finished(quiet, name):
             continue

@@ -65,7 +65,7 @@ SCATTERED = """
 dimension 2
 grid cell=0.25 x=0:open y=0:2
 wall x-=slip y-=slip y+=slip
-method sgmp
+method sgmp mass=lumped
 time end=2 cfl=0.4
 material glass j2 density=2 young=1e-3 poisson=0 yield=1
 failure glass principal_stress=1e-5 carries={carries}
