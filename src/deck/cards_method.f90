@@ -66,10 +66,11 @@ contains
                       'that lie at an angle to the grid (sgmp only); auto: corrected for '// &
                       'solids in plane and space where the rest of the deck allows it', &
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
-    call registry%key('mass', kind_word, 'of the nodes: lumped, as in the paper, or consistent, '// &
-                      'with which waves do not run slow (solids, sgmp only); auto: consistent '// &
-                      'for elastic bodies that meet no others, with Courant numbers up to 0.8', &
-                      choices='auto lumped consistent', default='auto', source='doc/mass.md')
+    call registry%key('mass', kind_word, 'of the nodes: lumped, as in the paper, or '// &
+                      'consistent, with which waves do not run slow (solids, sgmp only); '// &
+                      'auto: consistent for what is elastic and meets nothing, with Courant '// &
+                      'numbers up to 0.8', choices='auto lumped consistent', &
+                      default='auto', source='doc/mass.md')
     call registry%key('drift', kind_word, 'velocity that moves particles: as in the paper that '// &
                       'of nodes after the kick, or the one that strains them, re-mapped '// &
                       'from the particles (musl, usavg); auto: re-mapped with sgmp for '// &

@@ -135,15 +135,54 @@ def falls(report):
         report.check(abs(last["energy_remainder"]) < 1e-12*first["kinetic_energy"], "falls: remainder")
 
 
+# A bar that a force pulls at its end, slowly beside its waves.
+PULLED = """
+dimension 2
+grid cell=0.25 x=0:open y=open
+wall x-=slip
+method sgmp mass=consistent
+time end={end} cfl={cfl}
+{damping}
+material m elastic density=1 young=100 poisson=0.3
+body bar block material=m lower=(0,-0.5) upper=(4,0.5) ppc=2
+load bar where="x>3.5" x="{force}"
+history every={end}/20
+output csv at=end fields=mass,initial_position
+"""
+
+
+def pulled(report):
+    """The work of a force is that along the ways of what it acts on, and all of it is found again: in motion, in
+    stress, and in what of the forces particles do not feel."""
+    sudden = run("sudden", PULLED.format(end=0.6, cfl=0.03, damping="", force="0.5"))
+    if report.finished(sudden, "sudden"):
+        rows = [row for row in sudden.table("particles_end.csv") if row["x0"] > 3.5]
+        work = 0.5*sum(row["x"] - row["x0"] for row in rows)/len(rows)
+        found = sudden.table("history.csv")[-1]["external_work"]/work
+        report.check(abs(found - 1) < 2e-3, f"sudden: work {found} of that of its way")
+    for name, damping in (("slow", ""), ("damped", "damping rate=1")):
+        result = run(name, PULLED.format(end=20, cfl=0.3, damping=damping, force="0.5*min(t/10,1)"))
+        if not report.finished(result, name):
+            continue
+        last = result.table("history.csv")[-1]
+        report.check(last["unfelt_dissipation"] > 1e-6*last["external_work"], f"{name}: unfelt {last}")
+        report.check(abs(result["energy.drift"]) < 2e-3, f"{name}: drift {result['energy.drift']}")
+
+
 def bits(report):
     """Threads, ranks and a restart, with contact in the plane."""
     for name, deck in (("plane", disk(2, more=SECOND, end=0.6)), ("space", disk(3, end=0.4)),
                        ("plain", disk(2, "mass=consistent rotation=plain surfaces=plain", end=0.4)),
+                       ("turns", disk(2, "mass=consistent surfaces=plain", end=0.4)),
+                       ("turns_space", disk(3, "mass=consistent surfaces=plain", end=0.3)),
                        ("first", disk(2, "mass=consistent update=usf", end=0.4)),
                        ("both", disk(2, "mass=consistent update=usavg", more=SECOND, end=0.4))):
         result = straight(report, name, deck)
         if not result.summary:
             continue
+        rows = result.table("history.csv")
+        report.check(max(abs(row["energy_remainder"]) for row in rows) < 1e-12*rows[0]["kinetic_energy"],
+                     f"{name}: remainder {rows[-1]['energy_remainder']}")
         for other, threads, launcher in (("threads", 2, ()), ("ranks", 1, mpirun(2))):
             again = straight(report, f"{name}_{other}", deck, threads, launcher)
             report.check(again.summary and again["checksum"] == result["checksum"], f"{name}: other bits, {other}")
@@ -163,6 +202,9 @@ def chosen(report):
         ("mpm", short.replace("sgmp", "mpm"), "", "", "lumped"),
         ("asked", short, "mass=lumped", "", "lumped"), ("split", short, "split=0.75", "", "lumped"),
         ("metal", yields, "", "", "lumped"), ("metal_asked", yields, "mass=consistent", "", "consistent"),
+        ("soil", short.replace("neo_hookean density=1", "drucker_prager friction=30 density=1"), "mass=consistent", "",
+         "lumped"),
+        ("fails", yields + "failure m pmin=-1\n", "mass=consistent", "", "lumped"),
         ("contact", short.replace("{more}", SECOND) + SECOND, "", "", "lumped"),
     ):
         result = run(f"chosen_{name}", deck.replace("{words}", words).replace("{time}", time))
@@ -179,6 +221,7 @@ def main():
     waves(report)
     conserved(report)
     falls(report)
+    pulled(report)
     bits(report)
     chosen(report)
     report.end()

@@ -128,10 +128,7 @@ contains
           weight(i, side, axis) = edge(own*field%node(at + i, inverse), &
                                        other*field%node(to + i, inverse))
         end do
-        if (own < 1.0_dp) then
-          weight(:n, side, axis) = 2.0_dp*weight(:n, side, axis)
-          if (on_wall(mesh, axis, row(axis)) == side) weight(:n, side, axis) = 0.0_dp
-        end if
+        if (own < 1.0_dp) weight(:n, side, axis) = 2.0_dp*weight(:n, side, axis)
       end do
     end do
     call weigh_at_walls(field, mesh, first, n, at, weight(:, :, 1))
@@ -151,7 +148,6 @@ contains
       i = merge(mesh%lower(1), mesh%upper(1), wall == 1) - first + 1
       if (i >= 1 .and. i <= n) then
         outer = at + i + 2*inner - 3
-        weight(i, wall) = 0.0_dp
         weight(i, inner) = 2.0_dp*edge(0.5_dp*field%node(at + i, inverse), &
                                        field%node(outer, inverse))
       end if
