@@ -131,7 +131,8 @@ class Scene:
         """A consistent mass, where nothing of the scene forbids it (doc/mass.md)."""
         text = "\n".join(self.lines)
         if self.method != "sgmp" or self.axisymmetric or re.search(
-                r"^wallfriction |^wallmotion |^motion | reactions=yes| flip=| volumes=kept|=absorbing| fine_[xyz]=| self=yes",
+                r"^wallfriction |^wallmotion |^motion | reactions=yes| flip=| volumes=kept|=absorbing| fine_[xyz]=|"
+                r" self=yes",
                 text, re.MULTILINE):
             return
         mass = self.stream("mass").choice((" mass=consistent", " mass=consistent", " mass=lumped", ""))
