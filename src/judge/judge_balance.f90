@@ -2,7 +2,7 @@
 module sgmp_judge_balance
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
   use sgmp_constitutive, only: eos_none, law_is_spherical, law_is_springy
-  use sgmp_energy, only: ledger_drift, ledger_t
+  use sgmp_energy, only: ledger_drift_beyond
   use sgmp_energy_terms, only: terms_value
   use sgmp_kernels, only: kernel_centred, kernel_mpm
   use sgmp_kinds, only: dp
@@ -49,7 +49,7 @@ contains
     type(model_t), intent(in) :: model
     real(dp) :: drift, given
     integer :: b
-    drift = beyond_beat(model%ledger)
+    drift = ledger_drift_beyond(model%ledger)
     if (drift > largest_gain) then
       call opinion%object('the energy has grown by '//percent_text(drift)// &
                           ' of what the scene was given: reduce cfl')
@@ -75,17 +75,6 @@ contains
                           'dilatancy), or an elastic law far beyond small strains')
     end do
   end subroutine judge_energy
-
-  !> Drift of the energy beyond what swings to and fro: velocities and stresses are half a step
-  !! apart, so that a total of the two is off by half of what goes from one to the other in a step.
-  pure function beyond_beat(ledger) result(drift)
-    type(ledger_t), intent(in) :: ledger
-    real(dp) :: drift
-    real(dp) :: beat
-    beat = 0.5_dp*abs(ledger%kinetic - ledger%kinetic_before)/max(ledger%supplied, tiny(1.0_dp))
-    drift = ledger_drift(ledger)
-    drift = sign(max(abs(drift) - beat, 0.0_dp), drift)
-  end function beyond_beat
 
   !> Where a body is damped to rest, forces that nodes receive and no particle feels: noise of the
   !! stress, by which the body becomes too soft (doc/hard-cases.md). Bodies that move have such

@@ -10,7 +10,7 @@ module sgmp_simulation
   use sgmp_command_line, only: command_line_t
   use sgmp_cost_estimate, only: cost_estimate_write, cost_estimate_write_advice, &
                                 cost_estimate_write_need, cost_estimate_write_time
-  use sgmp_energy, only: ledger_drift, ledger_total
+  use sgmp_energy, only: ledger_drift, ledger_drift_beyond, ledger_total
   use sgmp_errors, only: error_make, error_t, exit_io, exit_numerical, exit_stopped
   use sgmp_forewarnings, only: forewarnings_find
   use sgmp_formula_faults, only: formula_faults_name
@@ -361,7 +361,7 @@ contains
                       'reduce cfl; the last dump shows where it started')
       return
     end if
-    gained = drift*model%ledger%supplied
+    gained = ledger_drift_beyond(model%ledger)*model%ledger%supplied
     if (model%clock%step > 1 .and. model%ledger%supplied > 0.0_dp .and. &
         gained > (most_growth(scene, model%clock) - 1.0_dp)* &
         max(model%ledger%supplied, carried_energy(model))) then
