@@ -13,7 +13,7 @@ module sgmp_field
   use sgmp_kernels, only: kernel_centred, kernel_folds, kernel_sgmp, stencil_width
   use sgmp_kinds, only: dp, i8
   use sgmp_large_pages, only: large_pages_ask
-  use sgmp_mass_points, only: mass_points_make, mass_points_move, mass_points_t
+  use sgmp_mass_points, only: mass_points_make, mass_points_move, mass_points_size, mass_points_t
   use sgmp_mesh, only: mesh_t, wall_free
   use sgmp_pair_points, only: pair_points_clear, pair_points_make, pair_points_move, pair_points_t
   use sgmp_rotation_points, only: rotation_points_clear, rotation_points_make, &
@@ -213,6 +213,7 @@ contains
       bytes = bytes + 8_i8*(size(field%pairs%weight, kind=i8) + &
                             size(field%pairs%centre, kind=i8) + size(field%pairs%gain, kind=i8))
     end if
+    if (field%columns%consistent) bytes = bytes + 8_i8*mass_points_size(field%mass)
   end function field_bytes
 
   !> Numbers the stored points, plane by plane.

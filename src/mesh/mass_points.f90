@@ -1,10 +1,10 @@
 !> What a consistent mass keeps at the points of a velocity field (`method mass=consistent`,
 !! doc/mass.md).
 module sgmp_mass_points
-  use sgmp_kinds, only: dp
+  use sgmp_kinds, only: dp, i8
   implicit none
   private
-  public :: mass_points_t, mass_points_make, mass_points_move
+  public :: mass_points_t, mass_points_make, mass_points_move, mass_points_size
 
   type :: mass_points_t
     real(dp), allocatable :: gain(:, :)      !! (points, 2 ndim) what two vectors of the nodes gain
@@ -23,6 +23,14 @@ contains
     allocate (mass%gain(points, 2*ndim), mass%before(points, ndim), mass%force(points, ndim))
     allocate (mass%external(points, ndim))
   end subroutine mass_points_make
+
+  !> Numbers that are kept.
+  pure function mass_points_size(mass) result(numbers)
+    type(mass_points_t), intent(in) :: mass
+    integer(i8) :: numbers
+    numbers = size(mass%gain, kind=i8) + size(mass%before, kind=i8) + size(mass%force, kind=i8) + &
+              size(mass%external, kind=i8)
+  end function mass_points_size
 
   !> Hands what is kept over without copying it.
   pure subroutine mass_points_move(from, to)

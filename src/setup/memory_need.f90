@@ -7,6 +7,7 @@
 !! need more.
 module sgmp_memory_need
   use sgmp_columns, only: pair_sums
+  use sgmp_constitutive, only: law_is_springy
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kernels, only: bin_span, method_kernel
   use sgmp_kinds, only: dp, i8, lanes
@@ -122,6 +123,7 @@ contains
     integer :: d, turns
     d = scene%dimension
     bytes = 8.0_dp*(1 + d + d*(d + 1)/2 + 2*d + 1 + d)
+    if (takes_consistent(scene)) bytes = bytes + 8.0_dp*5*d
     if (d == 1) return
     if (scene%method%surfaces) then
       bytes = bytes + 8.0_dp*(1 + 2*pair_sums(d) + merge(2, 12, d == 2) + d**2)
@@ -131,6 +133,18 @@ contains
       bytes = bytes + 8.0_dp*(3*d + turns + 2*turns**2 + 1.5_dp)
     end if
   end function of_grid
+
+  !> Whether the mass of nodes is consistent (sgmp_build_columns).
+  pure function takes_consistent(scene) result(yes)
+    type(scene_t), intent(in) :: scene
+    logical :: yes
+    integer :: m
+    yes = scene%method%consistent
+    if (.not. scene%method%consistent_auto) return
+    do m = 1, size(scene%materials)
+      yes = yes .and. law_is_springy(scene%materials(m)%law)
+    end do
+  end function takes_consistent
 
   pure function writes_particles(scene) result(yes)
     type(scene_t), intent(in) :: scene
