@@ -68,7 +68,7 @@ contains
                       choices='auto plain corrected', default='auto', source='doc/surfaces.md')
     call registry%key('mass', kind_word, 'of the nodes: lumped, as in the paper, or '// &
                       'consistent, with which waves do not run slow (solids, sgmp only); '// &
-                      'auto: consistent for what is elastic and meets nothing, with Courant '// &
+                      'auto: consistent for what springs back and meets nothing, with Courant '// &
                       'numbers up to 0.8', choices='auto lumped consistent', &
                       default='auto', source='doc/mass.md')
     call registry%key('drift', kind_word, 'velocity that moves particles: as in the paper that '// &

@@ -16,7 +16,8 @@ module sgmp_fast_scenes
   use sgmp_shapes, only: shapes_box
   implicit none
   private
-  public :: fast_scene_settle, largest_speed_of, liquid_thrown, speed_at_start, velocity_at_start
+  public :: fast_scene_settle, largest_load_of, largest_speed_of, liquid_thrown, speed_at_start, &
+            velocity_at_start
 
   ! Speeds over that of sound in the bulk.
   real(dp), parameter :: tears = 0.2_dp        !! a ball on a plate tears from a third of it on
@@ -111,6 +112,17 @@ contains
     speed = pace%anywhere
   end function largest_speed_of
 
+  !> Largest pressure or traction of loads; huge: of an air blast.
+  function largest_load_of(scene) result(load)
+    type(scene_t), intent(in) :: scene
+    real(dp) :: load
+    integer :: i
+    load = 0.0_dp
+    do i = 1, size(scene%loads)
+      load = max(load, load_peak(scene%loads(i), scene%time%end))
+    end do
+  end function largest_load_of
+
   !> How fast a scene begins.
   function pace_of(scene) result(pace)
     type(scene_t), intent(in) :: scene
@@ -126,9 +138,7 @@ contains
       end associate
     end do
     pace%pressure = pressure_step(scene)
-    do b = 1, size(scene%loads)
-      pace%load = max(pace%load, load_peak(scene%loads(b), scene%time%end))
-    end do
+    pace%load = largest_load_of(scene)
     pace%head = head_of(scene)
   end function pace_of
 

@@ -4,10 +4,10 @@
 !! grid does not see anything: with two the energy in them is lost to its rebound, with three a
 !! quarter of that, which saves more than it costs (doc/surfaces.md, 4).
 module sgmp_particle_number
-  use sgmp_constitutive, only: law_is_springy
   use sgmp_kinds, only: dp
   use sgmp_scene, only: body_card_t, scene_t
   use sgmp_shapes, only: shape_ring
+  use sgmp_springs, only: scene_springs
   implicit none
   private
   public :: particle_number_settle, particle_number_usual
@@ -25,22 +25,24 @@ contains
       associate (body => scene%bodies(b))
         if (body%ppc == 0) then
           body%ppc = particle_number_usual
-          if (particle_number_bends(scene, body)) body%ppc = particle_number_bent
+          if (particle_number_bends(scene, b)) body%ppc = particle_number_bent
         end if
         if (body%spacing <= 0.0_dp) body%spacing = scene%grid%cell/body%ppc
       end associate
     end do
   end subroutine particle_number_settle
 
-  !> Whether a body is an elastic ring in the plane, and strains are right at its surfaces.
-  pure function particle_number_bends(scene, body) result(yes)
+  !> Whether a body is a ring in the plane that springs back, and strains are right at its surfaces.
+  function particle_number_bends(scene, b) result(yes)
     type(scene_t), intent(in) :: scene
-    type(body_card_t), intent(in) :: body
+    integer, intent(in) :: b
     logical :: yes
-    yes = scene%dimension == 2 .and. .not. scene%axisymmetric .and. scene%method%surfaces .and. &
-          body%material > 0 .and. allocated(body%shapes) .and. .not. body%rigid
-    if (yes) yes = law_is_springy(scene%materials(body%material)%law) .and. &
-                   any(body%shapes%kind == shape_ring)
+    associate (body => scene%bodies(b))
+      yes = scene%dimension == 2 .and. .not. scene%axisymmetric .and. scene%method%surfaces .and. &
+            body%material > 0 .and. allocated(body%shapes) .and. .not. body%rigid
+      if (yes) yes = any(body%shapes%kind == shape_ring)
+      if (yes) yes = scene_springs(scene, b)
+    end associate
   end function particle_number_bends
 
 end module sgmp_particle_number

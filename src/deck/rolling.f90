@@ -1,10 +1,11 @@
 !> Scenes in which something rolls, topples or bounces on what it rubs: friction then wants exact
 !! rotation, which puts it at the surface (doc/rotation.md, Rolling).
 module sgmp_rolling
-  use sgmp_constitutive, only: law_bends, law_is_springy
+  use sgmp_constitutive, only: law_bends
   use sgmp_kinds, only: dp
   use sgmp_scene, only: scene_pulls, scene_t
   use sgmp_shapes, only: shape_cylinder, shape_ring, shape_sphere
+  use sgmp_springs, only: scene_springs
   implicit none
   private
   public :: scene_rolls, scene_rubbed, scene_weighs
@@ -12,8 +13,8 @@ module sgmp_rolling
 contains
 
   !> Whether there is a deformable ball, disk or ring that gravity or a body force presses onto
-  !! something, or that is elastic: what friction gives it of rotation is half of what it does.
-  pure function scene_rolls(scene) result(yes)
+  !! something, or that springs back: what friction gives it of rotation is half of what it does.
+  function scene_rolls(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
     integer :: b
@@ -22,9 +23,7 @@ contains
     do b = 1, size(scene%bodies)
       associate (body => scene%bodies(b))
         if (body%rigid .or. .not. allocated(body%shapes) .or. body%material == 0) cycle
-        associate (law => scene%materials(body%material)%law)
-          if (.not. (scene_pulls(scene) .or. law_is_springy(law))) cycle
-        end associate
+        if (.not. (scene_pulls(scene) .or. scene_springs(scene, b))) cycle
         yes = all(is_round(body%shapes%kind, scene%dimension))
       end associate
       if (yes) return

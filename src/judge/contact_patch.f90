@@ -6,7 +6,7 @@
 !! In the plane a disk of radius r is pressed for about 3.5 r/c, so that the force comes to 0.24 J
 !! c/r, and half the width of the patch is sqrt(4 P R/(pi E)). (Johnson, Contact Mechanics, 1985.)
 module sgmp_contact_patch
-  use sgmp_constitutive, only: law_is_springy
+  use sgmp_constitutive, only: law_bulk
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_kinds, only: dp
   use sgmp_meetings, only: meetings_push
@@ -43,9 +43,9 @@ contains
         if (.not. body%rigid .or. body%rigid_motion%free) then
           lightness = lightness + 1.0_dp/model%totals%bodies(b)%mass
         end if
-        if (law_is_springy(body%law) .and. .not. body%rigid) then
+        if (body%springs .and. .not. body%rigid) then
           associate (e => body%law%elastic)
-            yields = yields + (1.0_dp/e%shear + 1.0_dp/(e%bulk + e%shear/3.0_dp))/4.0_dp
+            yields = yields + (1.0_dp/e%shear + 1.0_dp/(law_bulk(body%law) + e%shear/3.0_dp))/4.0_dp
             loud = max(loud, sqrt(e%shear/e%density))
           end associate
         end if

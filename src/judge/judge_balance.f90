@@ -1,7 +1,7 @@
 !> What the balances of energy, mass and momentum say about a run (doc/verdict.md).
 module sgmp_judge_balance
   use sgmp_angular_momentum, only: angular_momentum_of, angular_momentum_t
-  use sgmp_constitutive, only: eos_none, law_is_spherical, law_is_springy
+  use sgmp_constitutive, only: eos_none, law_is_spherical, law_young
   use sgmp_energy, only: ledger_drift_beyond
   use sgmp_energy_terms, only: terms_value
   use sgmp_kernels, only: kernel_centred, kernel_mpm
@@ -128,9 +128,9 @@ contains
     fastest = 0.0_dp
     do b = 1, size(model%bodies)
       if (model%bodies(b)%rigid .or. model%bodies(b)%twin_of > 0) cycle
-      if (.not. law_is_springy(model%bodies(b)%law)) return
-      associate (law => model%bodies(b)%law, elastic => model%bodies(b)%law%elastic)
-        young = 9.0_dp*elastic%bulk*elastic%shear/(3.0_dp*elastic%bulk + elastic%shear)
+      if (.not. model%bodies(b)%springs) return
+      associate (law => model%bodies(b)%law)
+        young = law_young(law)
         stiffness = stiffness + model%totals%bodies(b)%mass*young/law%density
         fastest = max(fastest, sqrt(young/law%density))
       end associate

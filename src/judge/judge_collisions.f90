@@ -11,8 +11,7 @@
 !! up to 0.7 parts of 1/n of the impulse that they should hand on (class Stack of the random
 !! scenes). What a body keeps of its own velocity is uncertain by that over its mass.
 module sgmp_judge_collisions
-  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_is_springy, &
-                               law_tears
+  use sgmp_constitutive, only: constitutive_t, law_bends, law_bulk, law_is_spherical, law_tears
   use sgmp_contact_pairs, only: contact_pair_t
   use sgmp_contact_patch, only: patch_cells
   use sgmp_failure, only: failure_none
@@ -480,7 +479,7 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     associate (law => model%bodies(b)%law)
-      yes = .not. model%bodies(b)%rigid .and. law_bends(law) .and. .not. law_is_springy(law)
+      yes = .not. (model%bodies(b)%rigid .or. model%bodies(b)%springs) .and. law_bends(law)
     end associate
   end function yields
 
@@ -536,9 +535,8 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: b
     real(dp) :: poisson
-    associate (elastic => model%bodies(b)%law%elastic)
-      poisson = (3.0_dp*elastic%bulk - 2.0_dp*elastic%shear)/ &
-                (2.0_dp*(3.0_dp*elastic%bulk + elastic%shear))
+    associate (bulk => law_bulk(model%bodies(b)%law), shear => model%bodies(b)%law%elastic%shear)
+      poisson = (3.0_dp*bulk - 2.0_dp*shear)/(2.0_dp*(3.0_dp*bulk + shear))
     end associate
   end function poisson_of
 
@@ -568,7 +566,7 @@ contains
     real(dp), intent(in) :: push(3)
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
-    yes = law_is_springy(model%bodies(b)%law) .and. &
+    yes = model%bodies(b)%springs .and. &
           length_along(scene%bodies(b)%shapes, model%mesh, push) > 0.0_dp
   end function bounces
 
@@ -595,7 +593,7 @@ contains
     real(dp), intent(in) :: push(3)
     yes = .false.
     if (model%bodies(b)%rigid .or. .not. allocated(scene%bodies(b)%shapes)) return
-    yes = law_is_springy(model%bodies(b)%law) .and. &
+    yes = model%bodies(b)%springs .and. &
           all(scene%bodies(b)%shapes%kind /= shape_block) .and. &
           .not. length_along(scene%bodies(b)%shapes, model%mesh, push) > 0.0_dp
   end function rebounds

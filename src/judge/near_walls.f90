@@ -4,7 +4,7 @@
 !! as if it touched. A body that begins there comes to rest early and does not come off again. One
 !! that begins farther away meets the wall and leaves it.
 module sgmp_near_walls
-  use sgmp_constitutive, only: law_is_spherical, law_is_springy
+  use sgmp_constitutive, only: law_is_spherical
   use sgmp_kinds, only: dp
   use sgmp_mesh, only: mesh_place, mesh_t, wall_fixed, wall_slip
   use sgmp_model, only: model_t
@@ -41,7 +41,7 @@ contains
           gap = gap_of(scene, model%mesh, b, axis, side)
           if (gap > reach + 0.5_dp*card%spacing/model%mesh%h .or. gap < -touching) cycle
           touches = gap <= touching
-          if (touches .and. .not. law_is_springy(law)) cycle
+          if (touches .and. .not. model%bodies(b)%springs) cycle
           text = begins(model, b, axis, side)
           if (touches) then
             text = text//' at it: the wall holds it as a plane of symmetry would, and it will '// &

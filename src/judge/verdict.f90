@@ -43,6 +43,7 @@ module sgmp_verdict
   use sgmp_time_step, only: limit_names
   use sgmp_update, only: update_usf
   use sgmp_wall_doubts, only: wall_objections
+  use sgmp_yielding, only: yielding_look
   implicit none
   private
   public :: verdict_t
@@ -77,7 +78,7 @@ contains
   subroutine verdict_reach(self, scene, model, error)
     class(verdict_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
-    type(model_t), intent(in) :: model
+    type(model_t), intent(inout) :: model            !! which bodies have sprung back
     type(error_t), allocatable, intent(in) :: error  !! what ended the run early
     real(dp) :: supplied
     character(:), allocatable :: reason
@@ -104,6 +105,7 @@ contains
       return
     end if
     call end_state_take(scene, model, self%state)
+    call yielding_look(model)
     self%impulse = model%ledger%lost_impulse
     call judge_energy(self%opinion, model)
     call judge_noise(self%opinion, model)

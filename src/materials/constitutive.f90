@@ -77,7 +77,7 @@ module sgmp_constitutive
   public :: law_set_failure, law_set_viscosity, law_set_erosion, law_set_spall
   public :: law_bends, law_by_cells, law_gaseous, law_is_metal, law_is_spherical, law_is_springy, &
             law_liquid
-  public :: law_may_tear, law_sound, law_tear, law_tears, law_wave_modulus
+  public :: law_bulk, law_may_tear, law_sound, law_tear, law_tears, law_wave_modulus, law_young
   public :: law_cavitate, law_first_pressure, law_may_cavitate, law_may_shock, law_spread_shocks
 
   integer, parameter :: material_elastic = 1, material_neo_hookean = 2, material_j2 = 3, &
@@ -859,10 +859,24 @@ contains
   elemental function law_wave_modulus(law) result(modulus)
     type(constitutive_t), intent(in) :: law
     real(dp) :: modulus
+    modulus = law_bulk(law) + 4.0_dp/3.0_dp*law%elastic%shear
+  end function law_wave_modulus
+
+  !> Bulk modulus, at the start.
+  elemental function law_bulk(law) result(modulus)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: modulus
     modulus = law%elastic%bulk
     if (law%eos /= eos_none) modulus = law%density*law%bulk_speed**2
-    modulus = modulus + 4.0_dp/3.0_dp*law%elastic%shear
-  end function law_wave_modulus
+  end function law_bulk
+
+  !> Young's modulus, at the start.
+  elemental function law_young(law) result(modulus)
+    type(constitutive_t), intent(in) :: law
+    real(dp) :: modulus
+    modulus = 9.0_dp*law_bulk(law)*law%elastic%shear/ &
+              max(3.0_dp*law_bulk(law) + law%elastic%shear, tiny(1.0_dp))
+  end function law_young
 
   !> Whether the stress depends on the sides of the cells that matter is in.
   elemental logical function law_by_cells(law) result(yes)

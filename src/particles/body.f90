@@ -33,6 +33,7 @@ module sgmp_body
       !! ids that a file gives all its particles, on every rank; empty: it gives none
     type(particles_t) :: particles
     type(constitutive_t) :: law
+    logical :: springs = .false.               !! springs back (sgmp_springs)
     real(dp) :: half_size(3) = 0.25_dp         !! GIMP particle half-size (cells)
     logical :: sides_stretch = .false.         !! and it follows the particle's stretch (cpGIMP)
     real(dp) :: spacing = 0.0_dp               !! particle spacing (length)

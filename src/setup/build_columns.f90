@@ -4,9 +4,9 @@
 module sgmp_build_columns
   use sgmp_absorbing_columns, only: absorbing_ask
   use sgmp_averaging, only: averaging_sums
+  use sgmp_body, only: body_t
   use sgmp_columns, only: block_t, columns_ask, columns_make, columns_t, stage_mass, stage_stress
-  use sgmp_constitutive, only: constitutive_t, law_bends, law_is_spherical, law_is_springy, &
-                                   law_liquid
+  use sgmp_constitutive, only: law_bends, law_is_spherical, law_liquid
   use sgmp_debris, only: debris_possible
   use sgmp_debris_columns, only: debris_ask
   use sgmp_images, only: image_t
@@ -29,7 +29,7 @@ module sgmp_build_columns
     logical :: bends = .false.      !! solids that are no soils
     logical :: flows = .false.      !! liquids
     logical :: flowing = .false.    !! fluids, explosives, soils
-    logical :: yields = .false.     !! what is not elastic alone
+    logical :: yields = .false.     !! what does not spring back
     logical :: crumbles = .false.   !! what can come apart
     logical :: averages = .false.   !! what averages its plastic strain
   end type matter_t
@@ -83,17 +83,19 @@ contains
   end subroutine ask_volumes
 
   !> What moves in a field.
-  pure function matter_of(laws, moves) result(matter)
-    type(constitutive_t), intent(in) :: laws(:)  !! by body
-    logical, intent(in) :: moves(:)
+  pure function matter_of(bodies, moves) result(matter)
+    type(body_t), intent(in) :: bodies(:)
+    logical, intent(in) :: moves(:)              !! which of them
     type(matter_t) :: matter
-    matter%solid = any(moves .and. .not. law_is_spherical(laws))
-    matter%bends = any(moves .and. law_bends(laws))
-    matter%flows = any(moves .and. law_liquid(laws))
-    matter%flowing = any(moves .and. .not. law_bends(laws))
-    matter%yields = any(moves .and. .not. law_is_springy(laws))
-    matter%crumbles = any(moves .and. debris_possible(laws))
-    matter%averages = any(moves .and. laws%history%averaged)
+    associate (laws => bodies%law)
+      matter%solid = any(moves .and. .not. law_is_spherical(laws))
+      matter%bends = any(moves .and. law_bends(laws))
+      matter%flows = any(moves .and. law_liquid(laws))
+      matter%flowing = any(moves .and. .not. law_bends(laws))
+      matter%yields = any(moves .and. .not. bodies%springs)
+      matter%crumbles = any(moves .and. debris_possible(laws))
+      matter%averages = any(moves .and. laws%history%averaged)
+    end associate
   end function matter_of
 
   !> Whether a field has what a method uses, which may be for solids only.

@@ -55,6 +55,7 @@ module sgmp_build_model
                           seeding_generate, survey_t
   use sgmp_self_contact, only: self_labels
   use sgmp_space, only: space_axisymmetric
+  use sgmp_springs, only: scene_springs
   use sgmp_stages, only: stage_columns, stage_terms
   use sgmp_step, only: step_start
   use sgmp_strength, only: strength_factor, strength_variate
@@ -295,6 +296,7 @@ contains
       call one_sided_declare(scene, mesh, kernel, material%law, body)
       body%sides_stretch = scene%method%kind == method_cpgimp
       body%law = material%law
+      body%springs = scene_springs(scene, number)
       call law_set_length(body%law, mesh%h, method_band(scene%method%kind)*mesh%h)
       call law_set_average(body%law, mesh%h, &
                            averaging_spread(sum(body%half_size(:mesh%ndim))/mesh%ndim, &
@@ -707,7 +709,7 @@ contains
     allocate (model%turning(size(model%fields)))
     do f = 1, size(model%fields)
       moves = model%bodies%field == f .and. .not. model%bodies%rigid
-      matter = matter_of(model%bodies%law, moves)
+      matter = matter_of(model%bodies, moves)
       call field_init(model%fields(f), model%mesh, kernel, &
                       columns_build(model, kernel, matter, parts(f)))
       model%fields(f)%drive_terms = terms(f)

@@ -7,7 +7,6 @@
 !! need more.
 module sgmp_memory_need
   use sgmp_columns, only: pair_sums
-  use sgmp_constitutive, only: law_is_springy
   use sgmp_errors, only: error_make, error_t, exit_deck
   use sgmp_kernels, only: bin_span, method_kernel
   use sgmp_kinds, only: dp, i8, lanes
@@ -15,6 +14,7 @@ module sgmp_memory_need
   use sgmp_process, only: memory_available_bytes
   use sgmp_scene, only: body_card_t, layout_file, layout_gauss, scene_t
   use sgmp_seeding, only: seeding_check_lattices, seeding_shape_volume
+  use sgmp_springs, only: scene_springs
   use sgmp_text, only: real_text
   implicit none
   private
@@ -117,7 +117,7 @@ contains
   end function of_particle
 
   !> Bytes of a point of the grid.
-  pure function of_grid(scene) result(bytes)
+  function of_grid(scene) result(bytes)
     type(scene_t), intent(in) :: scene
     real(dp) :: bytes
     integer :: d, turns
@@ -135,14 +135,14 @@ contains
   end function of_grid
 
   !> Whether the mass of nodes is consistent (sgmp_build_columns).
-  pure function takes_consistent(scene) result(yes)
+  function takes_consistent(scene) result(yes)
     type(scene_t), intent(in) :: scene
     logical :: yes
-    integer :: m
+    integer :: b
     yes = scene%method%consistent
     if (.not. scene%method%consistent_auto) return
-    do m = 1, size(scene%materials)
-      yes = yes .and. law_is_springy(scene%materials(m)%law)
+    do b = 1, size(scene%bodies)
+      yes = yes .and. (scene%bodies(b)%rigid .or. scene_springs(scene, b))
     end do
   end function takes_consistent
 

@@ -79,7 +79,7 @@ class Glance(Truth):
         one, two = turned(angle, 0.5*self.v, 0), turned(angle, -0.5*self.v, 0)
         heavy, lift = luck.choice((1, 1, 3)), luck.uniform(0, h)
         axes, start = ("xy", f"({lift},0,0)") if not self.flat else ("rz", f"(0,{lift})")
-        end = f"({place[0]},{place[1]},{luck.uniform(0, h)})" if not self.flat else f"(0,{place[1] + lift})"
+        end = f"({place[0] + lift},{place[1]},{luck.uniform(0, h)})" if not self.flat else f"(0,{place[1] + lift})"
         self.decks = [f"""dimension {'axisymmetric' if self.flat else 3}
 grid cell={h}{' r=0:open' if self.flat else ''}
 METHOD

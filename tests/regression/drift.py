@@ -118,7 +118,8 @@ history every=0.1
 
 def rolls(report):
     """A wheel rolls down as far as a rigid one, by the program's own choice. Beside friction in contact rotation is
-    exact where gravity presses a solid or something round is elastic, but not about parts that a card motion moves."""
+    exact where gravity presses a solid or something round springs back, a metal too where it is slow and nothing drives
+    it on, but not about parts that a card motion moves."""
     result = run("rolls", ROLLS)
     if report.finished(result, "rolls"):
         rows = [row for row in result.table("bodies.csv") if row["name"].strip() == "wheel"]
@@ -132,9 +133,12 @@ def rolls(report):
     block = ROLLS.replace("sphere material=m centre=(0,1) radius=1", "block material=m lower=(-1,0) upper=(1,1)")
     flies = ROLLS.replace("gravity (5,-8.660254)\n", "")
     metal = flies.replace("elastic density=1", "j2 yield=1e3 density=1")
+    slow, quick = (metal + f"velocity wheel x={speed}\n" for speed in (3.1, 3.2))  # Y/sqrt(rho E) is 3.16
+    driven = metal.replace("rigid slope", "rigid slope x=0.001")
     moved = block.replace("rigid slope", 'motion slope where="y<-0.3" x=0 y=0')
     other = block + "body far block material=m lower=(20,1) upper=(21,2) ppc=2\nmotion far where=1 x=0 y=0\n"
-    for name, deck, rotation in (("block", block, "exact"), ("flies", flies, "exact"), ("metal", metal, "plain"),
+    for name, deck, rotation in (("block", block, "exact"), ("flies", flies, "exact"), ("metal", metal, "exact"),
+                                 ("slow", slow, "exact"), ("quick", quick, "plain"), ("driven", driven, "plain"),
                                  ("moved", moved, "plain"), ("other", other, "exact")):
         result = run(f"rolls_{name}", deck.replace("end=1", "end=0.01"))
         if report.finished(result, f"rolls_{name}"):

@@ -194,7 +194,11 @@ def bits(report):
 def chosen(report):
     """What a deck without the word gets."""
     short = disk(2, "{words}").replace("end=1 cfl=0.4", "steps=2 {time}").replace("every=1/20", "every=1")
+    # A metal springs back where speeds stay below Y/sqrt(rho E) and loads below Y over the square of the slenderness.
     yields = short.replace("neo_hookean density=1", "j2 yield=1 density=1")
+    strong = yields.replace("yield=1", "yield=33")
+    slim = strong.replace("cylinder", "block").replace("centre=(0.03,0.05) radius=1", "lower=(-1,-0.25) upper=(1,0.25)")
+    press = "pressure disk face=x+ p=3*t\n"
     for name, deck, words, time, mass in (
         ("elastic", short, "", "", "consistent"), ("usavg", short, "update=usavg", "", "consistent"),
         ("usf", short, "update=usf", "", "lumped"), ("usl", short, "update=usl", "", "lumped"),
@@ -203,7 +207,17 @@ def chosen(report):
         ("paper_surfaces", short, "surfaces=plain", "", "lumped"),
         ("mpm", short.replace("sgmp", "mpm"), "", "", "lumped"),
         ("asked", short, "mass=lumped", "", "lumped"), ("split", short, "split=0.75", "", "lumped"),
-        ("metal", yields, "", "", "lumped"), ("metal_asked", yields, "mass=consistent", "", "consistent"),
+        ("metal", yields, "", "", "lumped"), ("metal_strong", strong, "", "", "consistent"),
+        ("metal_quick", strong.replace("yield=33", "yield=30"), "", "", "lumped"),
+        ("metal_heavy", strong + "gravity (0,-17)\n", "", "", "lumped"),
+        ("metal_light", strong + "gravity (0,-16)\n", "", "", "consistent"),
+        ("metal_pressed", strong + press, "", "end=10.9", "consistent"),
+        ("metal_crushed", strong + press, "", "end=11.1", "lumped"),
+        ("slim_pressed", slim + press, "", "end=0.68", "consistent"),
+        ("slim_crushed", slim + press, "", "end=0.69", "lumped"),
+        ("metal_pulled", strong + 'load disk where="x>0" x=0.001\n', "", "", "lumped"),
+        ("metal_driven", strong + "bodyforce disk x=0.001\n", "", "", "lumped"),
+        ("metal_asked", yields, "mass=consistent", "", "consistent"),
         ("soil", short.replace("neo_hookean density=1", "drucker_prager friction=30 density=1"), "mass=consistent", "",
          "lumped"),
         ("fails", yields + "failure m pmin=-1\n", "mass=consistent", "", "lumped"),

@@ -806,6 +806,10 @@ def near_walls(report):
     block = "block material=m lower=(-1,gap/5) upper=(1,2+gap/5)"
     ball = floor.replace(block, "sphere material=m centre=(0,1+gap/5) radius=1")
     coarse(report, "floor_ball", ball, "10 cells across", 0.1, t_end=40)
+    # A metal that does not yield is judged as what is elastic, one that does is not.
+    metal = ball.replace("m elastic", "m j2 yield={}")
+    coarse(report, "floor_ball_metal", metal.replace("{}", "1"), "10 cells across", 0.1, t_end=40)
+    sound(report, "floor_ball_soft", metal.replace("{}", "0.02"), t_end=40)
     pair = floor.replace("rigid b\n", "velocity b y=speed\n")
     pair = pair.replace("lower=(-2,-0.8) upper=(2,0)", "lower=(-1,-2) upper=(1,0)")
     coarse(report, "square_pair", pair, "bounce off each other", 0.14, t_end=30)  # 0.86
