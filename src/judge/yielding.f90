@@ -1,8 +1,10 @@
 !> Which bodies have sprung back: what is elastic alone, and metals whose plastic work is next to
-!! nothing of the energy that the scene was given. Verdicts on vibrations and rebounds are on these.
+!! nothing of the energy that the scene was given, and whose plastic strain is no larger than what
+!! they bear elastically: a jet flows, however weak it is. Verdicts on vibrations and rebounds are on these.
 module sgmp_yielding
   use sgmp_body, only: body_t
-  use sgmp_constitutive, only: law_is_metal, law_is_springy, law_yield_stress
+  use sgmp_constitutive, only: constitutive_t, law_is_metal, law_is_springy, law_yield_stress, &
+                               law_young
   use sgmp_kinds, only: dp, i8, lanes
   use sgmp_model, only: model_t
   use sgmp_motion, only: motion_mass
@@ -37,7 +39,8 @@ contains
       associate (body => model%bodies(b))
         body%springs = law_is_springy(body%law) .or. &
                        (is_metal(body) .and. &
-                        work(b) <= least_work*(model%ledger%supplied - common))
+                        work(b) <= min(least_work*(model%ledger%supplied - common), &
+                                       elastic_energy(body%law, model%totals%bodies(b)%mass)))
       end associate
     end do
   end subroutine yielding_look
@@ -47,6 +50,17 @@ contains
     type(body_t), intent(in) :: body
     yes = .not. body%rigid .and. law_is_metal(body%law) .and. body%law%slots%plastic > 0
   end function is_metal
+
+  !> Twice the elastic energy of a mass in tension at its first yield stress: as much work takes a
+  !! plastic strain as large as the elastic one.
+  pure function elastic_energy(law, mass) result(energy)
+    type(constitutive_t), intent(in) :: law
+    real(dp), intent(in) :: mass
+    real(dp) :: energy
+    energy = 0.0_dp
+    if (.not. law_is_metal(law)) return
+    energy = mass/law%density*law_yield_stress(law, 0.0_dp)**2/max(law_young(law), tiny(1.0_dp))
+  end function elastic_energy
 
   !> Adds the plastic work of a body's particles: the first yield stress times their strain.
   subroutine add_work(body, ndim, place, tally)
