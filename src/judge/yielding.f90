@@ -1,6 +1,7 @@
 !> Which bodies have sprung back: what is elastic alone, and metals whose plastic work is next to
 !! nothing of the energy that the scene was given, and whose plastic strain is no larger than what
-!! they bear elastically: a jet flows, however weak it is. Verdicts on vibrations and rebounds are on these.
+!! they bear elastically: a jet flows, however weak it is. Verdicts on vibrations and rebounds are
+!! on these.
 module sgmp_yielding
   use sgmp_body, only: body_t
   use sgmp_constitutive, only: constitutive_t, law_is_metal, law_is_springy, law_yield_stress, &
